@@ -11,7 +11,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 use droptower::diagnostic::{Diagnostic, render};
-use droptower::field::RigidMotion;
+use droptower::dic::RigidMotion;
 use droptower::field_comparison::FilmSurface;
 use droptower::model::{self, Motion};
 use droptower::scenario::{Assignment, Document};

@@ -45,7 +45,7 @@ pub use card;
 #[doc(inline)]
 pub use cli;
 #[doc(inline)]
-pub use lab::{confidence, experiment, field, signal};
+pub use lab::{confidence, dic, error, experiment, signal};
 #[doc(inline)]
 pub use membrane::{engine, lane, material};
 #[doc(inline)]

@@ -5,8 +5,7 @@ use std::path::Path;
 
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file;
-use lab::field::FieldError;
-use lab::signal::{self, QuantityError};
+use lab::error::{Error, Kind};
 use study::post::{EvaluateError, PrepareError, ReferenceError};
 use study::script::{Fault, ReadError};
 use study::store::StoreError;
@@ -34,10 +33,6 @@ pub(super) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
         PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
-        PrepareError::Reference(ReferenceError::Field(error)) => match &**error {
-            FieldError::Read(error) => vec![recording(error)],
-            other => vec![Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) }],
-        },
         other => vec![Diagnostic::new(other.to_string())],
     }
 }
@@ -55,27 +50,25 @@ pub(super) fn storing(error: &StoreError) -> Diagnostic {
     Diagnostic::new(error.to_string())
 }
 
-/// A recording that cannot be read, with the line at fault.
-pub(super) fn recording(error: &signal::file::ReadError) -> Diagnostic {
-    let mistake = match error.place() {
-        Some((path, line, column)) => match line_of(&path, line) {
-            Some(text) => {
-                let source = Source::excerpt(&path, line, text);
-                Diagnostic::new(error.fault()).at(&Span::position(&source, 1, column))
-            }
-            None => Diagnostic::new(error.to_string()),
-        },
+/// A refusal of the laboratory, with the line at fault of a recording that cannot be read.
+pub(super) fn recording(error: &Error) -> Diagnostic {
+    let located = error.place().and_then(|(path, line, column)| Some((path, line, column, line_of(path, line)?)));
+    let mistake = match located {
+        Some((path, line, column, text)) => {
+            let source = Source::excerpt(path, line, text);
+            Diagnostic::new(error.message()).at(&Span::position(&source, 1, column))
+        }
         None => Diagnostic::new(error.to_string()),
     };
-    Diagnostic { hint: error.hint(), ..mistake }
+    Diagnostic { hint: error.hint().map(str::to_owned), ..mistake }
 }
 
-/// A channel of the file at `path` of another quantity than the command expects.
-pub(super) fn quantity(path: &Path, error: &QuantityError) -> Diagnostic {
+/// A refusal of what was read of the file at `path`.
+pub(super) fn content(path: &Path, error: &Error) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
-    match error {
-        QuantityError::OtherDimension { .. } => mistake,
-        QuantityError::NoUnit { expected, .. } => mistake.hint(format!("give it: --unit {}", expected.unit)),
+    match error.kind() {
+        Kind::NoUnit { unit, .. } => mistake.hint(format!("give it: --unit {unit}")),
+        _ => Diagnostic { hint: error.hint().map(str::to_owned), ..mistake },
     }
 }
 

@@ -396,7 +396,7 @@ impl Job {
                 let mistake = evaluating(&error);
                 let cause = match &error {
                     EvaluateError::Script(fault) => fault.to_string(),
-                    EvaluateError::Filter(_) | EvaluateError::Resample(_) => mistake.message.clone(),
+                    EvaluateError::Filter(_) => mistake.message.clone(),
                 };
                 let failure = if error.may_pass() { Failure::output } else { Failure::from };
                 let done = self.store_unfinished(&Unfinished { outcome, cause, mistake, failure }, scenario, show);

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use droptower::field::{self, FieldFile, FieldOptions};
+use droptower::dic::{self, FieldFile, FieldOptions};
 use serde_json::Value as Json;
 
 use crate::workbench::{close, data, droptower, error, printed, root};
@@ -16,7 +16,7 @@ mod virtual_field;
 const COARSE: &str = "specimen.mesh.size=6mm";
 
 fn read(path: &std::path::Path) -> FieldFile {
-    field::read(path, &FieldOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    dic::read(path, &FieldOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn coefficients_and_motion_are_found_again() {
     let field = &summary["field"];
     let three = |key: &str| [0, 1, 2].map(|axis| field[key][axis].as_f64().expect("a number"));
     let back = virtual_field::camera().inverse();
-    let found = field::RigidMotion::new(three("translation_m"), three("rotation_rad"));
+    let found = dic::RigidMotion::new(three("translation_m"), three("rotation_rad"));
     let turned = found.rotation.angle_to(&back.rotation);
     // Where the middle of the film comes to lie.
     let middle = virtual_field::camera().apply([0.0; 3]);

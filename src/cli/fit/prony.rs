@@ -13,7 +13,7 @@ use base::finding::Finding;
 use base::number::{figure, plain, rounded, significant};
 use lab::experiment::Warning;
 use lab::experiment::material_file::fitted::{ASSUMED_POISSON, RelaxationMaterial, relaxation_text};
-use lab::experiment::relaxation::{PronyFit, RelaxationReadingError, fit_prony, read_relaxation};
+use lab::experiment::relaxation::{PronyFit, fit_prony, read_relaxation};
 use lab::signal::file::ChannelSelection;
 use plot::{Axis, Curve, Look, Plot, Scale};
 use report::{FitPage, FitTable, fit_page};
@@ -42,8 +42,8 @@ pub(super) fn run(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(Diagnostic::new(format!("expected a Poisson's ratio from -1 to 0.5, found {poisson}")).into());
     }
     let path = &args.data;
-    let points =
-        read_relaxation(path, &args.fitted.file.options(ChannelSelection::All)?).map_err(|error| reading(&error))?;
+    let points = read_relaxation(path, &args.fitted.file.options(ChannelSelection::All)?)
+        .map_err(|error| faults::recording(&error))?;
     let fit =
         fit_prony(&points, args.terms).map_err(|error| Diagnostic::new(format!("{}: {error}", path.display())))?;
     let incomplete = args.fitted.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() });
@@ -58,13 +58,6 @@ pub(super) fn run(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
     let written = places.write(&material, &page(&source, &fit, &findings, shown))?;
     let figures = RelaxationFigures::new(&source, &fit, findings, written);
     print_figures(shared, &figures, || figures.text())
-}
-
-fn reading(error: &RelaxationReadingError) -> Diagnostic {
-    match error {
-        RelaxationReadingError::Read(error) => faults::recording(error),
-        other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
-    }
 }
 
 /// The page with measured and fitted modulus, errors and terms.

@@ -15,8 +15,7 @@ use base::number::{figure, significant};
 use lab::experiment::Warning;
 use lab::experiment::law_fit::hyperelastic::Energy;
 use lab::experiment::law_fit::{
-    Coefficient, DataSet, FitError, FitOptions, LawFit, Measured, StressReader, StressReadingError, TestFit, TestKind,
-    Weighting, fit_law,
+    Coefficient, DataSet, FitOptions, LawFit, Measured, StressReader, TestFit, TestKind, Weighting, fit_law,
 };
 use lab::experiment::material_file::fitted::law_text;
 use lab::signal::file::ChannelSelection;
@@ -61,7 +60,7 @@ pub(super) fn run(args: &RubberArgs, shared: &Shared) -> Result<(), Failure> {
     let sets = all(data.iter().enumerate().map(|(place, path)| set(args, path, kinds(place), weights(place))))?;
     let predicted = all(paths(&args.predict)?.iter().map(|path| set(args, path, None, None)))?;
     let options = FitOptions { weighting: args.residual, stable_to: args.stable_to };
-    let fit = fit_law(args.law, &sets, &predicted, &options).map_err(|error| fault(&error))?;
+    let fit = fit_law(args.law, &sets, &predicted, &options).map_err(|error| faults::recording(&error))?;
     let missing = places.material.as_ref().and(args.fitted.film().missing());
     let incomplete = missing.map(|keys| Finding::new(&Warning::MaterialIncomplete { keys: keys.into() }));
     let findings: Vec<Finding> = fit.findings().into_iter().chain(incomplete).collect();
@@ -88,23 +87,12 @@ fn one_each<'v, T: Copy>(
 
 fn set(args: &RubberArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
     let reader = StressReader { kind, table: args.fitted.file.options(ChannelSelection::All)? };
-    let set = reader.read(path).map_err(|error| reading(&error))?;
+    let set = reader.read(path).map_err(|error| faults::recording(&error))?;
     set.with_weight(weight.unwrap_or(1.0)).map_err(|error| located(path, &error))
 }
 
 fn located(path: &Path, error: &impl std::fmt::Display) -> Diagnostic {
     Diagnostic::new(format!("{}: {error}", path.display()))
-}
-
-fn reading(error: &StressReadingError) -> Diagnostic {
-    match error {
-        StressReadingError::Read(error) => faults::recording(error),
-        other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
-    }
-}
-
-fn fault(error: &FitError) -> Diagnostic {
-    Diagnostic { hint: error.hint().map(str::to_owned), ..Diagnostic::new(error.to_string()) }
 }
 
 /// The page with measured and fitted curves, residuals and figures.

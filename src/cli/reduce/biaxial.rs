@@ -15,12 +15,13 @@ use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::{figure, significant};
 use base::units::{Dimension, Length, Pressure};
+use lab::error::{Error, Kind};
 use lab::experiment::Warning;
 use lab::experiment::biaxial::{Bulge, Coupling, Uncoupled, edge_share};
 use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{CouponTest, Curve, Direction};
 use lab::signal::file::{self, ChannelSelection};
-use lab::signal::{ChannelError, Measurement, QuantityError, Series};
+use lab::signal::{Measurement, Series};
 use membrane::material::{Fabric, Law};
 
 /// What a test that stretches film in both directions is compared with, and where its curve goes.
@@ -310,17 +311,14 @@ fn channel<'t>(
     name: &str,
     dimension: Dimension,
 ) -> Result<&'t Series, Diagnostic> {
-    let missing = |error: &ChannelError| {
-        Diagnostic::new(format!("{}: {error}", shown_path(path)))
+    let missing = |error: Error| {
+        faults::content(path, &error)
             .hint("a bulge has the channels `pressure` and `height`; --pressure and --height name others")
     };
-    let found = table.channel(name).map_err(|error| missing(&error))?;
-    found.quantity(dimension).map_err(|error| match &error {
+    table.channel(name).map_err(missing)?.quantity(dimension).map_err(|error| match error.kind() {
         // Of several channels, each has its own.
-        QuantityError::NoUnit { name, expected } => {
-            faults::quantity(path, &error).hint(format!("give it: --unit {name}={}", expected.unit))
-        }
-        QuantityError::OtherDimension { .. } => faults::quantity(path, &error),
+        Kind::NoUnit { name, unit } => faults::content(path, &error).hint(format!("give it: --unit {name}={unit}")),
+        _ => faults::content(path, &error),
     })
 }
 

@@ -14,11 +14,11 @@ use crate::{Failure, Shared, faults, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::file::{self, FileError};
 use base::units::{Density, Length, Velocity};
+use lab::Error;
 use lab::experiment::coupon::{
-    BREAK_SHARE, Coupon, CouponError, CouponReader, CouponTest, Dimensions, Direction, Label, RecordingError,
-    Reduction, Rules, ShearMethod, WINDOW,
+    BREAK_SHARE, Coupon, CouponReader, CouponTest, Dimensions, Direction, Label, Reduction, Rules, ShearMethod, WINDOW,
 };
-use lab::experiment::material_file::coupon::{CouponMaterial, CouponMaterialError, GivenShear};
+use lab::experiment::material_file::coupon::{CouponMaterial, GivenShear};
 use lab::signal::file::ChannelSelection;
 use scene::model;
 use scene::scenario::Document;
@@ -110,7 +110,8 @@ pub(super) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduce
     check_dimensions(args).map_err(one)?;
     let reader = reader(args, velocity).map_err(|mistake| vec![mistake])?;
     let paths = paths(&args.recordings)?;
-    let tests = all(paths.iter().map(|path| reader.read_all(path).map_err(|error| unread(&error))))?.concat();
+    let tests =
+        all(paths.iter().map(|path| reader.read_all(path).map_err(|error| faults::recording(&error))))?.concat();
     let coupon = mean(&tests).map_err(|error| one(error.to_string()))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
     let reduction = Reduction::from_samples(&samples, &reader.rules).map_err(|error| one(error.to_string()))?;
@@ -125,7 +126,7 @@ fn check_dimensions(args: &CouponArgs) -> Result<(), String> {
 }
 
 /// The coupon of the mean dimensions.
-fn mean(tests: &[CouponTest]) -> Result<Coupon, CouponError> {
+fn mean(tests: &[CouponTest]) -> Result<Coupon, Error> {
     let mean = |dimension: fn(&Coupon) -> f64| {
         let first = tests.first().map_or(f64::NAN, |test| dimension(&test.coupon));
         // Equal dimensions are their own mean, to the last digit.
@@ -162,13 +163,6 @@ pub(crate) fn all<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Re
     if mistakes.is_empty() { Ok(values.into_iter().filter_map(Result::ok).collect()) } else { Err(mistakes) }
 }
 
-fn unread(error: &RecordingError) -> Diagnostic {
-    match error {
-        RecordingError::Read(error) => faults::recording(error),
-        other => Diagnostic { hint: other.hint(), ..Diagnostic::new(other.to_string()) },
-    }
-}
-
 /// Largest shear curve that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
@@ -197,14 +191,9 @@ fn texts(args: &ReduceCouponArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, Str
     Ok(vec![(shear, texts.shear), (material, texts.material)])
 }
 
-fn fault(error: &CouponMaterialError) -> Diagnostic {
+fn fault(error: &Error) -> Diagnostic {
     let mistake = Diagnostic::new(format!("no material: {error}"));
-    match error {
-        CouponMaterialError::Missing { direction: Direction::D3 } => {
-            mistake.hint("give a shear curve from elsewhere: --shear FILE")
-        }
-        _ => mistake,
-    }
+    Diagnostic { hint: error.hint().map(str::to_owned), ..mistake }
 }
 
 fn check_folder(material: &Path) -> Result<(), Diagnostic> {

@@ -8,10 +8,11 @@ use serde::Serialize;
 use super::input::{self, Chosen, Input};
 use super::output;
 use super::remarks::Remarks;
-use crate::{Failure, Shared, print_figures};
+use crate::{Failure, Shared, faults, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::units::{Dimension, Frequency};
-use lab::signal::filter::{self, FilterError, Standard};
+use lab::Error;
+use lab::signal::filter::{self, Standard};
 use lab::signal::{Channel, MeasuredChannel, Recording, Series, Warning, resample};
 
 #[derive(Debug, Args)]
@@ -113,9 +114,7 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
         return Ok(series.clone());
     };
     let name = shown_path(&args.input.path);
-    if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
-        return Err(mistake(args, &FilterError::NotMeasured { time }));
-    }
+    filter::check_complete(series).map_err(|error| mistake(args, &error))?;
     resample::uniform(series, 1.0 / rate).map_err(|error| Diagnostic::new(format!("{name}: {error}")))
 }
 
@@ -124,12 +123,8 @@ fn aliasing(before: &Series, after: &Series) -> Option<Warning> {
     (after.len() < before.len()).then_some(Warning::Aliasing { before: before.len(), after: after.len() })
 }
 
-fn mistake(args: &FilterArgs, error: &FilterError) -> Diagnostic {
-    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(&args.input.path)));
-    match error {
-        FilterError::NotUniform => mistake.hint("bring it to equal steps: --resample \"10 kHz\""),
-        _ => mistake,
-    }
+fn mistake(args: &FilterArgs, error: &Error) -> Diagnostic {
+    faults::content(&args.input.path, error)
 }
 
 fn text(done: &Filtered) -> String {

@@ -10,6 +10,7 @@ use super::remarks::Remarks;
 use crate::{Failure, Shared, faults, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::number::{clean_time, significant};
+use lab::error::Kind;
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::gap::{self, Gap};
 use lab::signal::{MeasuredChannel, Warning, csv, resample};
@@ -104,7 +105,7 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
             channels: found.channels.iter().map(contained).collect(),
             remarks: (&found.annotations).into(),
         }),
-        Err(error) if error.lacks_time() => columns(path, &options),
+        Err(error) if *error.kind() == Kind::NoTime => columns(path, &options),
         Err(error) => Err(faults::recording(&error)),
     }
 }

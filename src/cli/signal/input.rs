@@ -98,7 +98,7 @@ impl Input {
     /// The requested channel in the SI unit of `dimension`.
     pub(crate) fn read_as(&self, dimension: Dimension) -> Result<Chosen, Diagnostic> {
         let chosen = self.read()?;
-        chosen.channel.quantity(dimension).map_err(|error| faults::quantity(&self.path, &error))?;
+        chosen.channel.quantity(dimension).map_err(|error| faults::content(&self.path, &error))?;
         Ok(chosen)
     }
 }

@@ -13,12 +13,12 @@
 //! further row of S: equations (126) and (127) of docs/methods.md.
 
 use nalgebra::{DMatrix, DVector};
-use thiserror::Error;
 
 use super::identifiability::Direction;
 use super::linearization::Linearization;
 use super::noise::{Colour, Misfit, Noise};
 use super::options::ConfidenceOptions;
+use crate::error::{Error, refusal};
 use base::number::significant;
 
 /// Singular values below this share of the largest are rounding errors.
@@ -32,35 +32,6 @@ const MIN_FREEDOM: f64 = 1.0;
 
 /// Smallest number of samples of a part that the fit must not absorb.
 const MIN_LEFT: f64 = 0.5;
-
-/// Why a linear model has no covariance.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum CovarianceError {
-    /// The singular values cannot be computed.
-    #[error("the Jacobian has no singular value decomposition: its entries differ too much in size")]
-    Singular,
-    /// The fit absorbs all samples of a part.
-    #[error(
-        "part {number} of the residuals has {samples}, of which the fit absorbs {}: its noise is undetermined",
-        significant(*.absorbed, 2)
-    )]
-    Absorbed {
-        /// The part, from one.
-        number: usize,
-        /// Number of its residuals.
-        samples: usize,
-        /// Number of residuals that the fit absorbs.
-        absorbed: f64,
-    },
-    /// There is neither one assumed misfit nor one for each part.
-    #[error("`misfit` has {found} errors for {parts} parts of the residuals: expected one, or one for each part")]
-    Misfits {
-        /// Number of misfits.
-        found: usize,
-        /// Number of parts.
-        parts: usize,
-    },
-}
 
 /// The noise of one part of the residuals.
 pub(super) struct PartNoise {
@@ -82,12 +53,15 @@ impl PartNoise {
         left: &DMatrix<f64>,
         rank: usize,
         colour: Colour,
-    ) -> Result<PartNoise, CovarianceError> {
+    ) -> Result<PartNoise, Error> {
         let noise = Noise::from_residuals(residuals, colour);
         let samples = residuals.len() as f64;
         let parameters = trace(&Noise::white(), left, rank);
         if samples - parameters < MIN_LEFT {
-            return Err(CovarianceError::Absorbed { number, samples: residuals.len(), absorbed: parameters });
+            let (samples, absorbed) = (residuals.len(), significant(parameters, 2));
+            return Err(refusal!(
+                "part {number} of the residuals has {samples}, of which the fit absorbs {absorbed}: its noise is undetermined"
+            ));
         }
         let effective_samples = effective_samples(&noise, left, rank);
         let independent = (effective_samples - parameters).max(MIN_FREEDOM);
@@ -154,15 +128,17 @@ struct Decomposition {
 }
 
 impl Decomposition {
-    fn from_matrix(matrix: DMatrix<f64>) -> Result<Decomposition, CovarianceError> {
+    fn from_matrix(matrix: DMatrix<f64>) -> Result<Decomposition, Error> {
         if matrix.ncols() == 0 {
             let (left, right) = (matrix, DMatrix::zeros(0, 0));
             return Ok(Decomposition { singular: DVector::zeros(0), left, right, rank: 0 });
         }
-        let svd = matrix.try_svd(true, true, f64::EPSILON, MAX_ITERATIONS).ok_or(CovarianceError::Singular)?;
+        let singular =
+            || refusal!("the Jacobian has no singular value decomposition: its entries differ too much in size");
+        let svd = matrix.try_svd(true, true, f64::EPSILON, MAX_ITERATIONS).ok_or_else(singular)?;
+        let left = svd.u.ok_or_else(singular)?;
+        let right = svd.v_t.ok_or_else(singular)?.transpose();
         let singular = svd.singular_values;
-        let left = svd.u.ok_or(CovarianceError::Singular)?;
-        let right = svd.v_t.ok_or(CovarianceError::Singular)?.transpose();
         let rank = singular.iter().filter(|value| **value > ROUNDING * singular[0]).count();
         Ok(Decomposition { singular, left, right, rank })
     }
@@ -195,7 +171,7 @@ impl Covariance {
         linearization: &Linearization,
         disturbances: &DMatrix<f64>,
         options: &ConfidenceOptions,
-    ) -> Result<Covariance, CovarianceError> {
+    ) -> Result<Covariance, Error> {
         let scale: Vec<f64> = linearization.x.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
         let mut scaled = linearization.jacobian.clone();
         scaled.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column *= *scale);
@@ -363,10 +339,12 @@ fn noise(
     linearization: &Linearization,
     options: &ConfidenceOptions,
     fit: &Decomposition,
-) -> Result<Vec<PartNoise>, CovarianceError> {
+) -> Result<Vec<PartNoise>, Error> {
     let count = linearization.parts.len();
     if let Some(found) = options.misfit.as_ref().map(Vec::len).filter(|found| ![1, count].contains(found)) {
-        return Err(CovarianceError::Misfits { found, parts: count });
+        return Err(refusal!(
+            "`misfit` has {found} errors for {count} parts of the residuals: expected one, or one for each part"
+        ));
     }
     let mut noise = Vec::new();
     let mut first = 0;

@@ -1,14 +1,14 @@
 //! Confidence intervals of estimated parameters.
 
 use nalgebra::DMatrix;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT, StudentsTError};
-use thiserror::Error;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::covariance::{Covariance, CovarianceError};
+use super::covariance::Covariance;
 use super::identifiability::{self, Direction};
 use super::linearization::Linearization;
 use super::options::ConfidenceOptions;
 use super::warning::Warning;
+use crate::error::{Error, refusal};
 
 /// Probability of a value below the upper end of a two-sided interval of 95 %.
 const BELOW_UPPER: f64 = 0.975;
@@ -52,31 +52,12 @@ pub struct Confidence {
     pub warnings: Vec<Warning>,
 }
 
-/// Why there are no intervals.
-#[derive(Debug, Error)]
-pub enum ConfidenceError {
-    /// There is no covariance.
-    #[error(transparent)]
-    Covariance(#[from] CovarianceError),
-    /// There is no quantile.
-    #[error("Student's distribution is undefined for {freedom} degrees of freedom: {source}")]
-    Student {
-        /// Degrees of freedom.
-        freedom: f64,
-        /// The error of the distribution.
-        source: StudentsTError,
-    },
-}
-
 impl Confidence {
     /// The confidence intervals at the point of `linearization`.
     ///
     /// # Errors
     /// The Jacobian has no singular value decomposition, or the fit absorbs all samples of a part.
-    pub fn from_linearization(
-        linearization: &Linearization,
-        options: &ConfidenceOptions,
-    ) -> Result<Confidence, ConfidenceError> {
+    pub fn from_linearization(linearization: &Linearization, options: &ConfidenceOptions) -> Result<Confidence, Error> {
         let (held, deviations): (Vec<usize>, Vec<f64>) = options.held().unzip();
         // Parameters that are known from elsewhere are not estimated, but what they may be off by shifts those that are: their
         // columns leave the Jacobian and come back as disturbances of the residuals, scaled by their standard deviations.
@@ -133,14 +114,14 @@ impl Confidence {
 }
 
 /// Student's quantile of a two-sided interval of 95 %; that of the normal distribution for noise of a known variance.
-fn quantile(freedom: f64) -> Result<f64, ConfidenceError> {
+fn quantile(freedom: f64) -> Result<f64, Error> {
     if freedom > NORMAL {
         return Ok(Normal::standard().inverse_cdf(BELOW_UPPER));
     }
     let student = StudentsT::new(0.0, 1.0, freedom);
     student
         .map(|student| student.inverse_cdf(BELOW_UPPER))
-        .map_err(|source| ConfidenceError::Student { freedom, source })
+        .map_err(|error| refusal!("Student's distribution is undefined for {freedom} degrees of freedom: {error}"))
 }
 
 /// The interval about `x`, symmetric or, for a relative one, symmetric in the logarithm. Zero has no logarithm: its interval

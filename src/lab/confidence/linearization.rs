@@ -1,7 +1,8 @@
 //! The linear model of residuals about an estimate.
 
 use nalgebra::{DMatrix, DVector};
-use thiserror::Error;
+
+use crate::error::{Error, refusal};
 
 /// The linear model r(x̂ + δ) ≈ r(x̂) + J δ.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,30 +23,18 @@ pub struct Linearization {
     pub one_sided: Vec<usize>,
 }
 
-/// Lengths of parts that do not add up to the number of residuals.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error(
-    "`parts` {parts:?} are {sum} residuals together, and the objective gave {found}: expected the lengths of the \
-     lists that it joins, in their order"
-)]
-pub struct PartsError {
-    /// The lengths.
-    pub parts: Vec<usize>,
-    /// Their sum.
-    pub sum: usize,
-    /// Number of residuals.
-    pub found: usize,
-}
-
 impl Linearization {
     /// The linearization for residuals that are joined from parts of these lengths, in their order.
     ///
     /// # Errors
     /// The lengths do not add up to the number of residuals.
-    pub fn joined_from(self, parts: &[usize]) -> Result<Linearization, PartsError> {
+    pub fn joined_from(self, parts: &[usize]) -> Result<Linearization, Error> {
         let (sum, found) = (parts.iter().fold(0_usize, |sum, part| sum.saturating_add(*part)), self.residuals.len());
         if sum != found {
-            return Err(PartsError { parts: parts.into(), sum, found });
+            return Err(refusal!(
+                "`parts` {parts:?} are {sum} residuals together, and the objective gave {found}: expected the lengths of the \
+                 lists that it joins, in their order"
+            ));
         }
         Ok(Linearization { parts: parts.into(), ..self })
     }

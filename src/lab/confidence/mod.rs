@@ -10,10 +10,9 @@ mod noise;
 mod options;
 mod warning;
 
-pub use covariance::CovarianceError;
-pub use estimate::{Confidence, ConfidenceError};
+pub use estimate::Confidence;
 pub use identifiability::Direction;
-pub use linearization::{Linearization, PartsError};
+pub use linearization::Linearization;
 pub use noise::{Colour, Misfit, Noise};
 pub use options::ConfidenceOptions;
 pub use warning::{CODES, Warning};

@@ -1,7 +1,6 @@
 //! The fall before a simulated impact, in closed form.
 
-use thiserror::Error;
-
+use crate::error::{Error, refusal};
 use crate::signal::Series;
 use base::number::significant;
 
@@ -24,46 +23,6 @@ pub struct Fall {
     pub speed_share: f64,
 }
 
-/// Why there is no such fall.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum FallError {
-    /// A quantity of the fall is not positive.
-    #[error("{what} is {value}, but must be positive")]
-    NotPositive {
-        /// Quantity of the fall, as the message names it.
-        what: &'static str,
-        /// Its value in the SI unit.
-        value: f64,
-    },
-    /// A share outside its range.
-    #[error("the share of the friction that is proportional to the speed is {share}, but must be 0 to 1")]
-    ShareOutside {
-        /// As given.
-        share: f64,
-    },
-    /// The speed is above that of a free fall over the height.
-    #[error(
-        "a fall over {} m does not reach {} m/s: {needed:.2} m/s² would be needed, more than gravity",
-        significant(*height, 6), significant(*speed, 6)
-    )]
-    TooFast {
-        /// Height of the fall, m.
-        height: f64,
-        /// Speed at first contact, m/s.
-        speed: f64,
-        /// Net acceleration that reaches the speed over the height, m/s².
-        needed: f64,
-    },
-    /// The simulated signals end too early.
-    #[error("the simulated impact has no {channel} at {} s after contact", significant(*time, 9))]
-    NoImpact {
-        /// The simulated signal, acceleration or displacement.
-        channel: &'static str,
-        /// Time after first contact at which it has no value, s.
-        time: f64,
-    },
-}
-
 /// The true motion of fall and simulated impact; times count from the release.
 pub(super) struct Motion<'a> {
     fall: &'a Fall,
@@ -84,13 +43,13 @@ impl Motion<'_> {
         fall: &'a Fall,
         acceleration: &'a Series,
         displacement: &'a Series,
-    ) -> Result<Motion<'a>, FallError> {
+    ) -> Result<Motion<'a>, Error> {
         let Solved { free, net, per_speed } = fall.solve()?;
         let ends = [acceleration, displacement].map(|series| series.time().last().copied().unwrap_or(f64::NAN));
         let last = ends[0].min(ends[1]);
         for (series, channel) in [(acceleration, "acceleration"), (displacement, "displacement")] {
             if series.value_at(0.0).is_none() || last.is_nan() || last <= 0.0 {
-                return Err(FallError::NoImpact { channel, time: 0.0 });
+                return Err(no_impact(channel, 0.0));
             }
         }
         Ok(Motion { fall, free, net, per_speed, acceleration, displacement, last })
@@ -123,6 +82,11 @@ impl Motion<'_> {
     }
 }
 
+/// The refusal of a simulated channel that has no value at a time (s) after contact.
+pub(super) fn no_impact(channel: &str, time: f64) -> Error {
+    refusal!("the simulated impact has no {channel} at {} s after contact", significant(time, 9))
+}
+
 /// The unknowns of a fall.
 struct Solved {
     /// Time from the magnet's last force to contact, s.
@@ -134,11 +98,13 @@ struct Solved {
 }
 
 impl Fall {
-    fn solve(&self) -> Result<Solved, FallError> {
+    fn solve(&self) -> Result<Solved, Error> {
         let (free, net) = self.with_constant_friction()?;
         let share = self.speed_share;
         if !(0.0..=1.0).contains(&share) {
-            return Err(FallError::ShareOutside { share });
+            return Err(refusal!(
+                "the share of the friction that is proportional to the speed is {share}, but must be 0 to 1"
+            ));
         }
         let constant = Solved { free, net, per_speed: 0.0 };
         // Friction at contact, over the mass, between none and gravity: more of it covers more height before the speed.
@@ -184,7 +150,7 @@ impl Fall {
     /// Time from the magnet's last force to contact (s) and net acceleration (m/s²) where the friction is constant.
     ///
     /// With T the duration of the release, t the rest and A the acceleration: H = A(T²/4 + ⅔Tt + ½t²), v = A(⅔T + t).
-    fn with_constant_friction(&self) -> Result<(f64, f64), FallError> {
+    fn with_constant_friction(&self) -> Result<(f64, f64), Error> {
         let Fall { height, speed, gravity, release_duration, .. } = *self;
         let given = [
             ("the height", height),
@@ -194,7 +160,7 @@ impl Fall {
         ];
         for (what, value) in given {
             if value.is_nan() || value <= 0.0 || value.is_infinite() {
-                return Err(FallError::NotPositive { what, value });
+                return Err(refusal!("{what} is {value}, but must be positive"));
             }
         }
         let half = 1.0 / 3.0 * speed * release_duration - 0.5 * height;
@@ -206,7 +172,10 @@ impl Fall {
         }
         // Without a solution not even the whole height at once would do.
         let needed = if free > 0.0 { needed } else { 0.5 * speed * speed / height };
-        Err(FallError::TooFast { height, speed, needed })
+        let [height, speed] = [height, speed].map(|value| significant(value, 6));
+        Err(refusal!(
+            "a fall over {height} m does not reach {speed} m/s: {needed:.2} m/s² would be needed, more than gravity"
+        ))
     }
 }
 

@@ -6,10 +6,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
-use thiserror::Error;
 
 use super::coupling::high_pass;
-use super::fall::{Fall, FallError, Motion};
+use super::fall::{Fall, Motion, no_impact};
+use crate::error::{Error, refusal};
 use crate::signal::{Channel, Recording, Series};
 use base::number::{clean_time, significant};
 use base::units::STANDARD_GRAVITY;
@@ -18,35 +18,6 @@ use base::units::STANDARD_GRAVITY;
 pub const ACCELEROMETER: &str = "accelerometer_m_s2";
 /// Channel of the laser.
 pub const LASER: &str = "laser_m";
-
-/// Why there is no such recording.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum SensorError {
-    /// A quantity of a sensor is out of its range.
-    #[error("{what} is {value}, but must be {must_be}")]
-    Value {
-        /// Quantity of the sensor, as the message names it.
-        what: &'static str,
-        /// Its value in the SI unit.
-        value: f64,
-        /// Range that it must lie in, in words.
-        must_be: &'static str,
-    },
-    /// The fall before the impact is impossible.
-    #[error(transparent)]
-    Fall(#[from] FallError),
-    /// The recording is too long.
-    #[error(
-        "{} s at {} samples a second are more than {MOST_SAMPLES} samples",
-        significant(*length, 6), significant(*rate, 6)
-    )]
-    TooLong {
-        /// Duration of the recording, s.
-        length: f64,
-        /// Sample rate, 1/s.
-        rate: f64,
-    },
-}
 
 /// Piezoelectric accelerometer, AC-coupled, digitised.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +102,7 @@ pub fn virtual_drop(
     fall: &Fall,
     sensors: &Sensors,
     seed: u64,
-) -> Result<VirtualDrop, SensorError> {
+) -> Result<VirtualDrop, Error> {
     sensors.check()?;
     let motion = Motion::new(fall, acceleration, displacement)?;
     let release = release_time(sensors.rest, seed);
@@ -144,24 +115,27 @@ pub fn virtual_drop(
     let fine: Vec<f64> = fine.collect();
     let proper = fine.iter().map(|t| Some(motion.acceleration(t - release)? + fall.gravity));
     let proper = proper.collect::<Option<Vec<f64>>>();
-    let proper = proper.ok_or(FallError::NoImpact { channel: "acceleration", time: motion.last })?;
+    let proper = proper.ok_or_else(|| no_impact("acceleration", motion.last))?;
     let coupled = high_pass(&Series::new(fine, proper), sensors.accelerometer.time_constant);
     let sampled = coupled.values().iter().step_by(OVERSAMPLING).copied();
     let mut channels =
         vec![Channel { name: ACCELEROMETER.into(), values: sensors.accelerometer.read(sampled, &mut noise(seed, 1)) }];
     if let Some(laser) = &sensors.laser {
         let places = time.iter().map(|t| motion.place(t - release)).collect::<Option<Vec<f64>>>();
-        let places = places.ok_or(FallError::NoImpact { channel: "displacement", time: motion.last })?;
+        let places = places.ok_or_else(|| no_impact("displacement", motion.last))?;
         channels.push(Channel { name: LASER.into(), values: laser.read(&places, &mut noise(seed, 2)) });
     }
     Ok(VirtualDrop { recording: Recording { time, channels }, contact_time })
 }
 
 /// Steps that a recording of `length` (s) takes.
-fn samples(length: f64, rate: f64) -> Result<usize, SensorError> {
+fn samples(length: f64, rate: f64) -> Result<usize, Error> {
     let count = (length / (1.0 / rate)).floor();
-    let fits = count < MOST_SAMPLES as f64;
-    fits.then_some(count as usize).ok_or(SensorError::TooLong { length, rate })
+    if count < MOST_SAMPLES as f64 {
+        return Ok(count as usize);
+    }
+    let [length, rate] = [length, rate].map(|value| significant(value, 6));
+    Err(refusal!("{length} s at {rate} samples a second are more than {MOST_SAMPLES} samples"))
 }
 
 /// One source of noise, independent of whether the others are used.
@@ -177,7 +151,7 @@ fn release_time([shortest, longest]: [f64; 2], seed: u64) -> f64 {
 }
 
 impl Sensors {
-    fn check(&self) -> Result<(), SensorError> {
+    fn check(&self) -> Result<(), Error> {
         let Sensors { accelerometer, laser, sample_rate, rest } = self;
         let Accelerometer { time_constant, noise, offset, range, bits } = accelerometer;
         let positive =
@@ -194,7 +168,9 @@ impl Sensors {
             ranges.push(((1..=32).contains(bits), "the laser's number of bits", f64::from(*bits), "1 to 32"));
         }
         let wrong = ranges.into_iter().find(|(holds, ..)| !holds);
-        wrong.map_or(Ok(()), |(_, what, value, must_be)| Err(SensorError::Value { what, value, must_be }))
+        let refused =
+            |(_, what, value, must_be): (bool, &str, f64, &str)| refusal!("{what} is {value}, but must be {must_be}");
+        wrong.map_or(Ok(()), |wrong| Err(refused(wrong)))
     }
 }
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::absorption::AbsorptionError;
-use super::coupon::{Direction, YieldError};
+use super::coupon::Direction;
+use crate::Error;
 use crate::signal::FILTERED_BEFORE;
 use base::diagnostic::shown_path;
 use base::findings;
@@ -180,7 +181,7 @@ findings! {
                 shown_path(path);
         NoYieldPoints {
             direction: Direction, "of the film" => "direction" = direction.to_string();
-            reason: YieldError, "why";
+            reason: Error, "why";
         } = "no-yield-points", Note;
             meaning "the mean curve of a direction has no double yield point, so the material takes the curve itself";
             remedy "nothing, or choose another window for the modulus";

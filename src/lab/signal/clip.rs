@@ -3,10 +3,9 @@
 //! 49 CFR 571.208 (S6.3) and UN R94 (5.2.1.1) count the time above the level cumulatively; software and some protocols
 //! ask for one unbroken interval. Both are offered, the regulations' is the default.
 
-use thiserror::Error;
-
 use super::Series;
-use super::gap::{self, Gap};
+use super::gap;
+use crate::error::{Error, refusal};
 use base::number::significant;
 
 /// How the time above a level is counted.
@@ -30,44 +29,23 @@ pub struct Clip {
     pub end: f64,
 }
 
-/// Why a series has no clip.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ClipError {
-    /// The duration is not positive.
-    #[error("a duration of {} s is not positive", significant(*duration, 9))]
-    Duration {
-        /// Duration for which the level is to be held, s.
-        duration: f64,
-    },
-    /// The series is shorter than the duration.
-    #[error("a series of {} s holds no level for {} s", significant(*span, 9), significant(*duration, 9))]
-    TooShort {
-        /// Duration of the series, s.
-        span: f64,
-        /// Duration for which the level is to be held, s.
-        duration: f64,
-    },
-    /// The series has a gap.
-    #[error(transparent)]
-    NotMeasured(Gap),
-}
-
 /// The highest level that `series`, linear between samples, holds for `duration` s.
-pub fn clip(series: &Series, duration: f64, counting: Counting) -> Result<Clip, ClipError> {
+pub fn clip(series: &Series, duration: f64, counting: Counting) -> Result<Clip, Error> {
     if duration.is_nan() || duration <= 0.0 {
-        return Err(ClipError::Duration { duration });
+        return Err(refusal!("a duration of {} s is not positive", significant(duration, 9)));
     }
-    if let Some(gap) = gap::first(series) {
-        return Err(ClipError::NotMeasured(gap));
-    }
+    gap::check(series)?;
+    let too_short = |span: f64| {
+        refusal!("a series of {} s holds no level for {} s", significant(span, 9), significant(duration, 9))
+    };
     let (Some([_, lowest]), Some([_, highest])) = (series.smallest(), series.largest()) else {
-        return Err(ClipError::TooShort { span: 0.0, duration });
+        return Err(too_short(0.0));
     };
     // Sums of times that should be as long as the duration may lack a rounding error.
     let long_enough = |held: &Held| held.duration >= duration * (1.0 - 1e-9);
     let whole = Held::above(series, lowest, counting);
     if !long_enough(&whole) {
-        return Err(ClipError::TooShort { span: whole.duration, duration });
+        return Err(too_short(whole.duration));
     }
     let (mut level, mut held, mut missed) = (lowest, whole, highest);
     let at_top = Held::above(series, highest, counting);
@@ -195,15 +173,11 @@ mod tests {
         for counting in BOTH {
             assert_eq!(clip(&flat, 0.003, counting).unwrap().level, 7.0);
         }
-        let short = flat.window([0.0, 0.002]);
-        assert_eq!(
-            clip(&short, 0.003, Counting::Cumulative),
-            Err(ClipError::TooShort { span: 0.002, duration: 0.003 })
-        );
-        let empty = Series::new(vec![], vec![]);
-        assert_eq!(clip(&empty, 0.003, Counting::Cumulative), Err(ClipError::TooShort { span: 0.0, duration: 0.003 }));
-        assert_eq!(clip(&flat, -1.0, Counting::Cumulative), Err(ClipError::Duration { duration: -1.0 }));
+        let refused = |series: &Series, duration| clip(series, duration, Counting::Cumulative).unwrap_err().to_string();
+        assert_eq!(refused(&flat.window([0.0, 0.002]), 0.003), "a series of 0.002 s holds no level for 0.003 s");
+        assert_eq!(refused(&Series::new(vec![], vec![]), 0.003), "a series of 0 s holds no level for 0.003 s");
+        assert_eq!(refused(&flat, -1.0), "a duration of -1 s is not positive");
         let gap = Series::new(vec![0.0, 1.0], vec![1.0, f64::NAN]);
-        assert_eq!(clip(&gap, 0.003, Counting::Cumulative), Err(ClipError::NotMeasured(Gap::Sample { time: 1.0 })));
+        assert_eq!(refused(&gap, 0.003), "nothing was measured at 1 s");
     }
 }

@@ -4,9 +4,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use thiserror::Error;
-
 use super::{Series, resample};
+use crate::error::{Error, refusal};
 
 /// Which standard's constant ties the corner frequency to the class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,34 +29,6 @@ impl Standard {
 /// The channel frequency classes that both standards define.
 pub const CLASSES: [f64; 4] = [1000.0, 600.0, 180.0, 60.0];
 
-/// Why a series cannot be filtered.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum FilterError {
-    /// The class is not positive.
-    #[error("a channel frequency class of {class} is not positive")]
-    Class {
-        /// Channel frequency class.
-        class: f64,
-    },
-    /// The sample rate is below ten times the class.
-    #[error("CFC {class} needs at least {} samples a second, found {rate:.1}", 10.0 * class)]
-    RateTooLow {
-        /// Channel frequency class.
-        class: f64,
-        /// Sample rate, 1/s.
-        rate: f64,
-    },
-    /// Time steps differ.
-    #[error("the samples are not equally spaced, as the channel filter needs")]
-    NotUniform,
-    /// A sample is missing.
-    #[error("nothing was measured at {time} s")]
-    NotMeasured {
-        /// Time of the first missing sample, s.
-        time: f64,
-    },
-}
-
 /// The recursion yᵢ = b·(xᵢ, xᵢ₋₁, xᵢ₋₂) + a·(yᵢ₋₁, yᵢ₋₂) of both standards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFilter {
@@ -71,13 +42,13 @@ impl ChannelFilter {
     /// The filter of a channel frequency class (1000, 600, 180, 60 or any other number) at a sample interval in s.
     ///
     /// Errors where the rate lies below ten times the class, as both standards ask.
-    pub fn new(class: f64, interval: f64, standard: Standard) -> Result<ChannelFilter, FilterError> {
+    pub fn new(class: f64, interval: f64, standard: Standard) -> Result<ChannelFilter, Error> {
         if class.is_nan() || class <= 0.0 {
-            return Err(FilterError::Class { class });
+            return Err(refusal!("a channel frequency class of {class} is not positive"));
         }
         let rate = 1.0 / interval;
         if rate.is_nan() || rate < 10.0 * class * (1.0 - 1e-6) {
-            return Err(FilterError::RateTooLow { class, rate });
+            return Err(refusal!("CFC {class} needs at least {} samples a second, found {rate:.1}", 10.0 * class));
         }
         let wd = 2.0 * PI * class * standard.corner_over_class();
         // The tangent undoes the warping of frequencies by the bilinear transform: the corner is the same at any rate.
@@ -168,12 +139,21 @@ fn mean<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     sum / count
 }
 
-/// The series through the channel filter of `class`; it must be complete and equally spaced.
-pub fn channel(series: &Series, class: f64, standard: Standard) -> Result<Series, FilterError> {
-    if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
-        return Err(FilterError::NotMeasured { time });
+/// Refuses a series of which a sample was not measured.
+pub fn check_complete(series: &Series) -> Result<(), Error> {
+    match series.samples().find(|[_, value]| !value.is_finite()) {
+        Some([time, _]) => Err(refusal!("nothing was measured at {time} s")),
+        None => Ok(()),
     }
-    let interval = resample::common_step(series.time()).ok_or(FilterError::NotUniform)?;
+}
+
+/// The series through the channel filter of `class`; it must be complete and equally spaced.
+pub fn channel(series: &Series, class: f64, standard: Standard) -> Result<Series, Error> {
+    check_complete(series)?;
+    let interval = resample::common_step(series.time()).ok_or_else(|| {
+        refusal!("the samples are not equally spaced, as the channel filter needs")
+            .with_hint("bring it to equal steps: --resample \"10 kHz\"")
+    })?;
     let filter = ChannelFilter::new(class, interval, standard)?;
     Ok(series.with_values(filter.apply(series.values())))
 }
@@ -352,8 +332,9 @@ mod tests {
     fn gaps_and_uneven_steps_are_refused() {
         let uneven = Series::new(vec![0.0, 1e-5, 5e-5], vec![0.0; 3]);
         let gap = Series::new(vec![0.0, 1e-5, 2e-5], vec![0.0, f64::NAN, 0.0]);
-        assert_eq!(channel(&uneven, 60.0, Standard::Iso6487), Err(FilterError::NotUniform));
-        assert_eq!(channel(&gap, 60.0, Standard::Iso6487), Err(FilterError::NotMeasured { time: 1e-5 }));
+        let refused = |series: &Series| channel(series, 60.0, Standard::Iso6487).unwrap_err();
+        assert!(refused(&uneven).message().starts_with("the samples are not equally spaced"));
+        assert_eq!(refused(&gap).to_string(), "nothing was measured at 0.00001 s");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::{Series, resample};
+use crate::error::Kind;
 use base::number::{clean_time, significant};
 
 /// A step that is longer than this many usual ones is a hole.
@@ -40,6 +41,17 @@ impl Gap {
             Gap::Hole { from, to, step } => (((to - from) / step).round() - 1.0).max(1.0) as usize,
         }
     }
+}
+
+impl From<Gap> for crate::Error {
+    fn from(gap: Gap) -> crate::Error {
+        crate::Error::new(gap.to_string()).with_kind(Kind::Gap)
+    }
+}
+
+/// Refuses a series with a gap.
+pub fn check(series: &Series) -> Result<(), Gap> {
+    first(series).map_or(Ok(()), Err)
 }
 
 /// The first gap of `series`, if it has one: a sample without value, or else a hole.

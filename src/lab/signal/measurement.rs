@@ -2,10 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use thiserror::Error;
-
 use super::column_name::{ColumnName, TIME};
 use super::{Annotations, Channel, Recording, Series};
+use crate::error::{Error, Kind, refusal};
 use base::diagnostic::{closest, listed};
 use base::units::{Dimension, Strain, Unit};
 
@@ -25,44 +24,13 @@ pub struct MeasuredChannel {
     pub series: Series,
 }
 
-/// Why a channel cannot be taken as the quantity that is asked for.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum QuantityError {
-    /// Its unit measures something else.
-    #[error("`{name}` is in {found}, which is not {}", expected.name)]
-    OtherDimension {
-        /// Name of the channel.
-        name: String,
-        /// Symbol of its unit.
-        found: String,
-        /// Dimension that is asked for.
-        expected: Dimension,
-    },
-    /// Neither the file nor the caller gives a unit.
-    #[error("the unit of `{name}` is not known")]
-    NoUnit {
-        /// Name of the channel.
-        name: String,
-        /// Dimension that is asked for.
-        expected: Dimension,
-    },
-}
-
 impl MeasuredChannel {
     /// The series in the SI unit of `dimension`.
     ///
     /// # Errors
     /// The channel has another dimension, or no known unit.
-    pub fn quantity(&self, dimension: Dimension) -> Result<&Series, QuantityError> {
-        let name = || self.name.clone();
-        match &self.unit {
-            Some(unit) if unit.measures(dimension) => Ok(&self.series),
-            Some(unit) => {
-                let found = unit.symbol().to_owned();
-                Err(QuantityError::OtherDimension { name: name(), found, expected: dimension })
-            }
-            None => Err(QuantityError::NoUnit { name: name(), expected: dimension }),
-        }
+    pub fn quantity(&self, dimension: Dimension) -> Result<&Series, Error> {
+        check_dimension(&self.name, self.unit.as_ref(), dimension).map(|_| &self.series)
     }
 
     /// The unit of the values: SI where the unit is known.
@@ -98,6 +66,18 @@ impl MeasuredChannel {
     }
 }
 
+/// The unit of the channel `name`, if it measures `dimension`.
+pub(crate) fn check_dimension<'u>(name: &str, unit: Option<&'u Unit>, dimension: Dimension) -> Result<&'u Unit, Error> {
+    match unit {
+        Some(unit) if unit.measures(dimension) => Ok(unit),
+        Some(unit) => Err(refusal!("`{name}` is in {}, which is not {}", unit.symbol(), dimension.name)),
+        None => {
+            let kind = Kind::NoUnit { name: name.to_owned(), unit: dimension.unit };
+            Err(refusal!("the unit of `{name}` is not known").with_kind(kind))
+        }
+    }
+}
+
 /// The SI unit in brackets; a number without unit is a dash.
 fn column_unit(unit: &Unit) -> String {
     if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
@@ -112,51 +92,9 @@ pub struct Measurement {
     pub annotations: Annotations,
 }
 
-/// Why a file has no such channel.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ChannelError {
-    /// No channel has the name.
-    #[error("no channel `{name}` among {}", listed(known))]
-    Missing {
-        /// Name that is asked for.
-        name: String,
-        /// Names of all channels.
-        known: Vec<String>,
-    },
-    /// Several channels have the name, with different labels.
-    #[error("several channels are called `{name}`: {}", listed(labels))]
-    Ambiguous {
-        /// Name that is asked for.
-        name: String,
-        /// Labels of the channels that have it.
-        labels: Vec<String>,
-    },
-    /// Several channels have the name and the label.
-    #[error("{count} channels are called `{name}`, with equal labels")]
-    Alike {
-        /// Name that is asked for.
-        name: String,
-        /// Number of channels that have it.
-        count: usize,
-    },
-}
-
-impl ChannelError {
-    /// The closest name, or how to choose.
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            ChannelError::Missing { name, known } => {
-                closest(name, known.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
-            }
-            ChannelError::Ambiguous { .. } => Some("ask for one of these".into()),
-            ChannelError::Alike { .. } => Some("read the file of that channel alone, or correct the names".into()),
-        }
-    }
-}
-
 impl Measurement {
     /// The channel called `name`: as the file writes it, by its name without the unit, or by its long name.
-    pub fn channel(&self, name: &str) -> Result<&MeasuredChannel, ChannelError> {
+    pub fn channel(&self, name: &str) -> Result<&MeasuredChannel, Error> {
         let index = find(name, self.channels.iter().map(|channel| (channel.name.as_str(), channel.label.as_str())))?;
         Ok(&self.channels[index])
     }
@@ -201,10 +139,7 @@ fn same_axis(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
-pub(super) fn find<'a>(
-    wanted: &str,
-    known: impl Iterator<Item = (&'a str, &'a str)> + Clone,
-) -> Result<usize, ChannelError> {
+pub(super) fn find<'a>(wanted: &str, known: impl Iterator<Item = (&'a str, &'a str)> + Clone) -> Result<usize, Error> {
     let places = |hit: &dyn Fn(&str, &str) -> bool| -> Vec<usize> {
         known.clone().enumerate().filter(|(_, (name, label))| hit(name, label)).map(|(place, _)| place).collect()
     };
@@ -212,17 +147,36 @@ pub(super) fn find<'a>(
     let found = if exact.len() == 1 { exact } else { places(&|name, label| name == wanted || label == wanted) };
     match found[..] {
         [place] => Ok(place),
-        [] => Err(ChannelError::Missing { name: wanted.into(), known: known.map(|(name, _)| name.into()).collect() }),
+        [] => {
+            let names: Vec<String> = known.map(|(name, _)| name.into()).collect();
+            Err(missing(wanted, &names))
+        }
         _ => {
             let found: Vec<(&str, &str)> =
                 known.enumerate().filter(|(place, _)| found.contains(place)).map(|(_, pair)| pair).collect();
-            let name = wanted.into();
             if found.iter().all(|pair| *pair == found[0]) {
-                return Err(ChannelError::Alike { name, count: found.len() });
+                return Err(refusal!("{} channels are called `{wanted}`, with equal labels", found.len())
+                    .with_hint("read the file of that channel alone, or correct the names"));
             }
-            Err(ChannelError::Ambiguous { name, labels: found.iter().map(|(_, label)| (*label).into()).collect() })
+            let labels: Vec<String> = found.iter().map(|(_, label)| (*label).into()).collect();
+            Err(ambiguous(wanted, &labels))
         }
     }
+}
+
+/// Refuses a name that no channel has.
+pub(crate) fn missing(name: &str, known: &[String]) -> Error {
+    let error = refusal!("no channel `{name}` among {}", listed(known));
+    match closest(name, known.iter().map(String::as_str)) {
+        Some(close) => error.with_hint(format!("did you mean `{close}`?")),
+        None => error,
+    }
+}
+
+/// Refuses a name that several channels have, with these labels.
+pub(crate) fn ambiguous(name: &str, labels: &[String]) -> Error {
+    let error = refusal!("several channels are called `{name}`: {}", listed(labels));
+    error.with_hint("ask for one of these")
 }
 
 #[cfg(test)]
@@ -277,8 +231,9 @@ mod tests {
         let twice = [("a", "a [g]"), ("a", "a [m/s2]"), ("b", "b"), ("b", "b")];
         let found = |wanted: &str| find(wanted, twice.into_iter());
         assert_eq!(found("a [g]"), Ok(0));
-        assert!(matches!(found("a"), Err(ChannelError::Ambiguous { labels, .. }) if labels == ["a [g]", "a [m/s2]"]));
-        assert_eq!(found("b"), Err(ChannelError::Alike { name: "b".into(), count: 2 }));
+        let refused = |wanted: &str| found(wanted).unwrap_err().to_string();
+        assert_eq!(refused("a"), "several channels are called `a`: `a [g]`, `a [m/s2]`");
+        assert_eq!(refused("b"), "2 channels are called `b`, with equal labels");
     }
 
     #[test]

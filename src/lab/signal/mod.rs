@@ -28,13 +28,14 @@ mod series;
 pub mod stored;
 pub mod t01;
 pub mod tdms;
-pub mod text;
+mod text;
 mod warning;
 pub mod workbook;
 
 pub use annotations::Annotations;
-pub use channel_fault::{ChannelFault, MOST_VALUES};
-pub use measurement::{ChannelError, MeasuredChannel, Measurement, QuantityError};
+pub use channel_fault::MOST_VALUES;
+pub use measurement::{MeasuredChannel, Measurement};
+pub(crate) use measurement::{ambiguous, check_dimension, missing};
 pub use options::{ChannelSelection, ReadOptions};
 pub use recording::{Channel, Recording};
 pub use series::Series;

@@ -1,49 +1,21 @@
 //! The distance of two signals: the relative error of the paper's equations 14 and 15.
 
-use thiserror::Error;
-
 use super::Series;
+use crate::error::{Error, refusal};
 use base::number::significant;
-
-/// Why two signals cannot be compared.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum NormError {
-    /// The window holds no sample of the reference.
-    #[error("the reference has no sample between {} s and {} s", significant(*from, 9), significant(*to, 9))]
-    NoSamples {
-        /// Start of the window, s.
-        from: f64,
-        /// End of the window, s.
-        to: f64,
-    },
-    /// The signal is shorter than the reference.
-    #[error("the signal has no value at {} s, where the reference has one", significant(*time, 9))]
-    NotCovered {
-        /// Time of the sample of the reference, s.
-        time: f64,
-    },
-    /// A relative error of zero is undefined.
-    #[error("the reference is zero everywhere between {} s and {} s", significant(*from, 9), significant(*to, 9))]
-    ZeroReference {
-        /// Start of the window, s.
-        from: f64,
-        /// End of the window, s.
-        to: f64,
-    },
-}
 
 /// Relative error ‖s − e‖/‖e‖ over the samples of the reference `e` with `from <= time <= to`.
 ///
 /// The signal `s` is read between its samples at the times of the reference. Samples at which the
 /// reference was not measured do not count. The norm is Euclidean over samples (Polymers 2021, 13,
 /// 1537, equations 14 and 15; equation 16 prints the same sum without the norm).
-pub fn relative_error(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<f64, NormError> {
+pub fn relative_error(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<f64, Error> {
     let Compared { difference, size, .. } = compare(signal, reference, window)?;
     Ok((difference.iter().map(|d| d * d).sum::<f64>() / size).sqrt())
 }
 
 /// The differences (s − e)/‖e‖ at the samples that [`relative_error`] counts; their norm is that error.
-pub fn relative_residuals(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<Series, NormError> {
+pub fn relative_residuals(signal: &Series, reference: &Series, window: [f64; 2]) -> Result<Series, Error> {
     let Compared { time, difference, size } = compare(signal, reference, window)?;
     let norm = size.sqrt();
     Ok(Series::new(time, difference.iter().map(|d| d / norm).collect::<Vec<f64>>()))
@@ -57,20 +29,23 @@ struct Compared {
     size: f64,
 }
 
-fn compare(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<Compared, NormError> {
+fn compare(signal: &Series, reference: &Series, [from, to]: [f64; 2]) -> Result<Compared, Error> {
     let mut compared = Compared { time: vec![], difference: vec![], size: 0.0 };
     let window = reference.window([from, to]);
     for [time, expected] in window.samples().filter(|[_, value]| value.is_finite()) {
-        let found = signal.value_at(time).ok_or(NormError::NotCovered { time })?;
+        let found = signal.value_at(time).ok_or_else(|| {
+            refusal!("the signal has no value at {} s, where the reference has one", significant(time, 9))
+        })?;
         compared.time.push(time);
         compared.difference.push(found - expected);
         compared.size += expected.powi(2);
     }
+    let between = || format!("between {} s and {} s", significant(from, 9), significant(to, 9));
     if compared.time.is_empty() {
-        return Err(NormError::NoSamples { from, to });
+        return Err(refusal!("the reference has no sample {}", between()));
     }
     if compared.size == 0.0 {
-        return Err(NormError::ZeroReference { from, to });
+        return Err(refusal!("the reference is zero everywhere {}", between()));
     }
     Ok(compared)
 }
@@ -120,8 +95,12 @@ mod tests {
         let line = sampled(10, |t| t);
         let half = line.window([0.0, 0.5]);
         let zero = sampled(10, |_| 0.0);
-        assert_eq!(relative_error(&line, &line, [2.0, 3.0]), Err(NormError::NoSamples { from: 2.0, to: 3.0 }));
-        assert_eq!(relative_error(&half, &line, ALL), Err(NormError::NotCovered { time: 0.6 }));
-        assert_eq!(relative_error(&line, &zero, ALL), Err(NormError::ZeroReference { from: 0.0, to: 1.0 }));
+        for (signal, reference, window, expected) in [
+            (&line, &line, [2.0, 3.0], "the reference has no sample between 2 s and 3 s"),
+            (&half, &line, ALL, "the signal has no value at 0.6 s, where the reference has one"),
+            (&line, &zero, ALL, "the reference is zero everywhere between 0 s and 1 s"),
+        ] {
+            assert_eq!(relative_error(signal, reference, window).unwrap_err().to_string(), expected);
+        }
     }
 }

@@ -1,40 +1,11 @@
 //! Values between samples: linear interpolation, and a time axis of equal steps.
 
-use thiserror::Error;
-
 use super::Series;
+use crate::error::{Error, refusal};
 use base::number::significant;
 
 /// Most samples a resampled series may have; a smaller step is taken for a mistake.
 pub const MOST_SAMPLES: usize = 20_000_000;
-
-/// Why a series has no equivalent on equal steps.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ResampleError {
-    /// Fewer than two samples.
-    #[error("a series of {count} samples cannot be resampled")]
-    TooShort {
-        /// Number of samples.
-        count: usize,
-    },
-    /// More than `MOST_SAMPLES` samples would result.
-    #[error(
-        "a time step of {} s over {} s gives more than {MOST_SAMPLES} samples",
-        significant(*step, 9), significant(*span, 9)
-    )]
-    StepTooSmall {
-        /// Time step, s.
-        step: f64,
-        /// Time from the first sample to the last, s.
-        span: f64,
-    },
-    /// The step is not positive.
-    #[error("a time step of {} s is not positive", significant(*step, 9))]
-    StepNotPositive {
-        /// Time step, s.
-        step: f64,
-    },
-}
 
 /// The series at other `times`; `NaN` where it has no value.
 pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
@@ -42,21 +13,27 @@ pub fn onto(series: &Series, times: &[f64]) -> Vec<f64> {
 }
 
 /// The series on equal steps (s) from its first sample to its last.
-pub fn uniform(series: &Series, step: f64) -> Result<Series, ResampleError> {
+pub fn uniform(series: &Series, step: f64) -> Result<Series, Error> {
     let &[first, .., last] = series.time() else {
-        return Err(ResampleError::TooShort { count: series.len() });
+        return Err(too_short(series.len()));
     };
     if step.is_nan() || step <= 0.0 {
-        return Err(ResampleError::StepNotPositive { step });
+        return Err(refusal!("a time step of {} s is not positive", significant(step, 9)));
     }
     let span = last - first;
     let steps = (span / step * (1.0 + 1e-12)).floor();
     if steps >= MOST_SAMPLES as f64 {
-        return Err(ResampleError::StepTooSmall { step, span });
+        let [step, span] = [step, span].map(|time| significant(time, 9));
+        return Err(refusal!("a time step of {step} s over {span} s gives more than {MOST_SAMPLES} samples"));
     }
     let times: Vec<f64> = (0..=steps as usize).map(|i| (first + i as f64 * step).min(last)).collect();
     let values = onto(series, &times);
     Ok(Series::new(times, values))
+}
+
+/// Refuses a series of so few samples.
+pub(crate) fn too_short(count: usize) -> Error {
+    refusal!("a series of {count} samples cannot be resampled")
 }
 
 /// The common step (s) where all samples lie within 1 % of a step from equal spacing.
@@ -105,7 +82,8 @@ mod tests {
     #[test]
     fn invalid_steps_are_refused() {
         let line = Series::new(vec![0.0, 1.0], vec![0.0, 1.0]);
-        assert!(matches!(uniform(&line, 0.0), Err(ResampleError::StepNotPositive { .. })));
-        assert!(matches!(uniform(&line, 1e-12), Err(ResampleError::StepTooSmall { .. })));
+        let refused = |step| uniform(&line, step).unwrap_err().to_string();
+        assert_eq!(refused(0.0), "a time step of 0 s is not positive");
+        assert!(refused(1e-12).contains("gives more than 20000000 samples"));
     }
 }

@@ -7,7 +7,7 @@ use super::{Align, Face, FieldReference, ModelDiagnostics, Motion};
 use crate::scenario::{self, FieldFiles, FieldTimes, Marker};
 use base::diagnostic::{shown_path, tidy_path};
 use base::number::duration;
-use lab::field::{RigidMotion, in_order, read_times};
+use lab::dic::{RigidMotion, in_order, read_times};
 
 const FILES: &str = "reference.field.files";
 const TIMES: &str = "reference.field.times";

@@ -58,7 +58,8 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
     let at = Span::line(source, 1);
     let table = file::columns(path, &ReadOptions::default()).map_err(|error| {
         let place = error.place().filter(|_| !source.text.is_empty()).map(|(_, line, _)| Span::line(source, line));
-        Diagnostic { hint: error.hint(), ..Diagnostic::new(error.to_string()) }.at(&place.unwrap_or(at.clone()))
+        Diagnostic { hint: error.hint().map(str::to_owned), ..Diagnostic::new(error.to_string()) }
+            .at(&place.unwrap_or(at.clone()))
     })?;
     let columns = &table.columns;
     let is_named = |own: &Column, words: &[&str]| words.iter().any(|word| own.name.to_lowercase().contains(word));

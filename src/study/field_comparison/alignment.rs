@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
 use super::normal_equations::Problem;
 use super::surface::FilmSurface;
-use lab::field::{Field, FieldState, RigidMotion};
+use lab::dic::{Field, FieldState, RigidMotion};
 use scene::simulate::FaceState;
 
 /// How the field was brought into the axes of the run.

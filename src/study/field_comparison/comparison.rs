@@ -7,7 +7,7 @@ use super::alignment::{self, Alignment, Pair};
 use super::surface::FilmSurface;
 use base::number::{clean_time, rounded};
 use base::table::Column;
-use lab::field::{Field, FieldState, RigidMotion};
+use lab::dic::{Field, FieldState, RigidMotion};
 use scene::model::Align;
 use scene::simulate::{FaceMotion, FaceState};
 

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, SymmetricEigen, UnitQuaternion, Vector3, Vector6};
 
 use super::surface::{FilmSurface, Nearest};
-use lab::field::RigidMotion;
+use lab::dic::RigidMotion;
 use scene::simulate::FaceState;
 
 /// Index of the place and displacement (m) of a measured point.

@@ -5,7 +5,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::surface::FilmSurface;
 use super::*;
-use lab::field::{Field, FieldState, RigidMotion};
+use lab::dic::{Field, FieldState, RigidMotion};
 use scene::model::Align;
 use scene::simulate::{FaceMotion, FaceState};
 

@@ -6,12 +6,14 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers, spread_map, strains, yield_map};
+use super::recording::hinted;
 use crate::script::{Entry, HostResult, Options, Session, refuse};
 use base::units::{Length, Mass, Velocity};
+use lab::Error;
 use lab::experiment::coupon::shear::Shear;
 use lab::experiment::coupon::{
-    Coupon, CouponReader, CouponTest, Curve, CurveError, DirectionMeans, Fibres, LoadCell, Machine, RecordingError,
-    Reduction, Rules, Sample, ShearMethod, SpeedMeans,
+    Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Fibres, LoadCell, Machine, Reduction, Rules, Sample,
+    ShearMethod, SpeedMeans,
 };
 use lab::signal::Series;
 use membrane::material;
@@ -66,13 +68,10 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
     let read = |path: &PathBuf| {
         let recorded = reading.read_all(path)?;
         session.add_recording(path, recorded.iter().any(|test| test.sample.is_virtual));
-        Ok::<Array, RecordingError>(recorded.iter().map(|test| recorded_map(test).into()).collect())
+        Ok::<Array, Error>(recorded.iter().map(|test| recorded_map(test).into()).collect())
     };
-    let read = paths.iter().map(read).collect::<Result<Vec<Array>, RecordingError>>().map(|arrays| arrays.concat());
-    read.map_err(|error| match error.hint() {
-        Some(hint) => refuse(format!("{error} ({hint})")),
-        None => refuse(error),
-    })
+    let read = paths.iter().map(read).collect::<Result<Vec<Array>, Error>>().map(|arrays| arrays.concat());
+    read.map_err(hinted)
 }
 
 /// The rules of a reduction from its options: `window`, `break_share`, `toe_compensation`.
@@ -107,7 +106,7 @@ fn shear(coupon: &Coupon, curve: &Curve, more: &Map) -> HostResult<Map> {
     sheared(coupon.shear_by(method.unwrap_or_default(), curve, Fibres { md: &md, td: &td }))
 }
 
-fn sheared(sheared: Result<Shear, CurveError>) -> HostResult<Map> {
+fn sheared(sheared: Result<Shear, Error>) -> HostResult<Map> {
     let sheared = sheared.map_err(refuse)?;
     let mut map = Map::new();
     map.insert("curve".into(), Dynamic::from(sheared.curve));

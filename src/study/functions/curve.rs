@@ -3,9 +3,7 @@
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
 use crate::script::{Compared, Entry, HostResult, Session, number, refuse, window};
-use lab::experiment::coupon::average::{
-    AverageError, SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference,
-};
+use lab::experiment::coupon::average::{SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference};
 use lab::experiment::coupon::{BREAK_SHARE, Curve, CurveEnd, WINDOW, YieldPoints, relative_residuals, yield_points};
 
 /// Offers the type `curve`, its functions and means to scripts.
@@ -125,7 +123,7 @@ fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Map> {
     yield_points(curve, window).map(|found| yield_map(&found)).map_err(refuse)
 }
 
-fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, AverageError>) -> HostResult<Curve> {
+fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, lab::Error>) -> HostResult<Curve> {
     let curve = |item: &Dynamic| {
         let found = item.clone().try_cast::<Curve>();
         found.ok_or_else(|| refuse(format!("expected a curve, found {}", item.type_name())))

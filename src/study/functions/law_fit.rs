@@ -5,6 +5,7 @@ use std::path::Path;
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
 use super::curve::{list, numbers};
+use super::recording::hinted;
 use crate::script::{Entry, HostResult, Options, Session, from_json, refuse};
 use base::finding::Finding;
 use lab::experiment::law_fit::{
@@ -35,10 +36,7 @@ pub(super) fn register_reading(engine: &mut Engine) {
 fn read(session: &Session, path: &str, kind: Option<TestKind>) -> HostResult<Map> {
     let path = Path::new(path);
     let reader = StressReader { kind, ..StressReader::default() };
-    let set = reader.read(path).map_err(|error| match error.hint() {
-        Some(hint) => refuse(format!("{error} ({hint})")),
-        None => refuse(error),
-    })?;
+    let set = reader.read(path).map_err(hinted)?;
     session.add_recording(path, set.is_virtual);
     Ok(set_map(&set))
 }
@@ -130,10 +128,7 @@ fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
     let stable_to = options.get("stable_to").map(|_| given.needed_number("stable_to")).transpose()?;
     let options = FitOptions { weighting: weighting.unwrap_or_default(), stable_to };
     let law = law.parse().map_err(refuse)?;
-    fit_law(law, &sets, &predicted, &options).map(|fit| fit_map(&fit)).map_err(|error| match error.hint() {
-        Some(hint) => refuse(format!("{error} ({hint})")),
-        None => refuse(error),
-    })
+    fit_law(law, &sets, &predicted, &options).map(|fit| fit_map(&fit)).map_err(hinted)
 }
 
 fn fit_map(fit: &LawFit) -> Map {

@@ -6,8 +6,9 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallCon
 
 use crate::script::{Entry, HostResult, Session, refuse};
 use base::units::Unit;
+use lab::Error;
 use lab::signal::file::{self, ReadOptions};
-use lab::signal::{ChannelError, Measurement, Series};
+use lab::signal::{Measurement, Series};
 
 /// Offers the type `measurement` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
@@ -30,7 +31,7 @@ pub(super) fn register(engine: &mut Engine) {
 /// The path is relative to the working directory.
 fn read(context: &NativeCallContext, path: &str, wanted: &ReadOptions) -> HostResult<Measurement> {
     let (session, path) = (Session::from_context(context), Path::new(path));
-    let measurement = file::read(path, wanted).map_err(|error| hinted(&error, error.hint()))?;
+    let measurement = file::read(path, wanted).map_err(hinted)?;
     session.add_recording(path, measurement.annotations.is_virtual());
     Ok(measurement)
 }
@@ -83,24 +84,21 @@ fn texts<'a>(texts: impl Iterator<Item = &'a String>) -> Array {
 }
 
 fn channel(m: &Measurement, name: &str) -> HostResult<Series> {
-    m.channel(name).map(|channel| channel.series.clone()).map_err(missing)
+    m.channel(name).map(|channel| channel.series.clone()).map_err(hinted)
 }
 
 fn unit(m: &mut Measurement, name: &str) -> HostResult<String> {
-    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(missing)
+    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(hinted)
 }
 
 fn filter_class(m: &mut Measurement, name: &str) -> HostResult<Dynamic> {
-    let class = m.channel(name).map_err(missing)?.filtered;
+    let class = m.channel(name).map_err(hinted)?.filtered;
     Ok(class.map_or(Dynamic::UNIT, Dynamic::from))
 }
 
-fn missing(error: ChannelError) -> Box<EvalAltResult> {
-    hinted(&error, error.hint())
-}
-
-fn hinted(error: &impl std::fmt::Display, hint: Option<String>) -> Box<EvalAltResult> {
-    match hint {
+/// A refusal of the laboratory, with what helps.
+pub(super) fn hinted(error: Error) -> Box<EvalAltResult> {
+    match error.hint() {
         Some(hint) => refuse(format!("{error} ({hint})")),
         None => refuse(error),
     }

@@ -7,7 +7,7 @@ use crate::identify::error::SearchFailure;
 use crate::identify::objective::{Evaluation, ObjectiveValue};
 use crate::identify::options::Search;
 use crate::identify::pool::trial_pool::{Evaluator, PoolError};
-use lab::confidence::{ConfidenceError, Linearization, PartsError};
+use lab::confidence::Linearization;
 
 /// Why there is no linearization, or no confidence from it.
 #[derive(Debug, Error)]
@@ -48,12 +48,9 @@ pub enum LinearizationError {
         /// Number of parameters.
         unknowns: usize,
     },
-    /// The lengths of the parts do not add up.
+    /// The lengths of the parts do not add up, or there are no confidence intervals.
     #[error(transparent)]
-    Parts(#[from] PartsError),
-    /// There are no confidence intervals.
-    #[error(transparent)]
-    Confidence(#[from] ConfidenceError),
+    Confidence(#[from] lab::Error),
     /// The trials on both sides of a parameter failed.
     #[error("the trials beside {parameter} failed, there is no derivative: at {x:?}: {cause}")]
     NoDerivative {

@@ -9,7 +9,6 @@ use base::number::clean_time;
 use lab::experiment::absorption::{Body, absorption_of, film_absorption};
 use lab::experiment::drop::Figures;
 use lab::signal::column::{self, Column};
-use lab::signal::norm::NormError;
 use lab::signal::{Recording, Series};
 use membrane::engine::GuideFriction;
 use scene::model::{Impactor, Model};
@@ -97,7 +96,7 @@ impl Impact {
         let recorded = model.reference.as_ref().and_then(|reference| prefixes.get(reference.impactor));
         let prefix = recorded.or(prefixes.first()).map_or("", String::as_str);
         let mut findings = RunFindings::from_outcome(model, outcome);
-        let mut error = |channel: &'static str, result: Option<Result<f64, NormError>>| match result {
+        let mut error = |channel: &'static str, result: Option<Result<f64, lab::Error>>| match result {
             Some(Err(reason)) => {
                 findings.push(&Warning::NoReferenceError { channel, reason });
                 None

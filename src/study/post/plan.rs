@@ -9,7 +9,7 @@ use super::{EvaluateError, ReferenceComparison, ReferenceError, Results, Run, ru
 use crate::functions;
 use crate::script::{self, Limits, OutputCollector, Script};
 use base::finding::Finding;
-use lab::signal::filter::{ChannelFilter, FilterError, Standard};
+use lab::signal::filter::{ChannelFilter, Standard};
 use scene::model::{self, Model};
 use scene::simulate::Outcome;
 
@@ -27,7 +27,7 @@ pub struct Plan {
 pub enum PrepareError {
     /// The channel filter needs a higher sample rate.
     #[error("output.filter: {0}")]
-    Filter(#[from] FilterError),
+    Filter(#[from] lab::Error),
     /// The reference cannot be read.
     #[error(transparent)]
     Reference(#[from] ReferenceError),

@@ -6,16 +6,15 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::Warning;
+use lab::Error as LabError;
+use lab::dic::{Field, FieldOptions};
 use lab::experiment;
 use lab::experiment::absorption::Body;
-use lab::experiment::drop::{
-    ChannelNames, Class, Correction, DropChannels, DropChannelsError, DropError, Figures, Reduction, Tower,
-};
-use lab::field::{Field, FieldError, FieldOptions};
+use lab::experiment::drop::{ChannelNames, Class, Correction, DropChannels, Figures, Reduction, Tower};
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
-use lab::signal::filter::{self, FilterError, Standard};
-use lab::signal::norm::{NormError, relative_error};
-use lab::signal::resample::{self, ResampleError};
+use lab::signal::filter::{self, Standard};
+use lab::signal::norm::relative_error;
+use lab::signal::resample;
 use lab::signal::{Annotations, Measurement, Series, column, integrate, t01};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Impactor, Model, Reference, Window};
@@ -58,19 +57,16 @@ const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_fil
 /// Why a recording cannot be compared with a run.
 #[derive(Debug, Error)]
 pub enum ReferenceError {
-    /// The file cannot be read.
+    /// The file or the field cannot be read.
     #[error(transparent)]
-    Read(#[from] file::ReadError),
-    /// The field cannot be read.
-    #[error(transparent)]
-    Field(Box<FieldError>),
+    Read(#[from] LabError),
     /// A raw recording lacks a channel, or has several that could be it.
     #[error("{}: {source}; {RAW}", path.display())]
     Channels {
         /// The recording.
         path: PathBuf,
         /// Why.
-        source: Box<DropChannelsError>,
+        source: LabError,
     },
     /// A raw recording cannot be reduced.
     #[error("{}: {source}; {RAW}", path.display())]
@@ -78,7 +74,7 @@ pub enum ReferenceError {
         /// The recording.
         path: PathBuf,
         /// Why.
-        source: DropError,
+        source: LabError,
     },
     /// A raw recording of a drop with another loading.
     #[error("{} is the raw recording of a drop: only an impact with an impactor can be compared with it", path.display())]
@@ -99,21 +95,13 @@ pub enum ReferenceError {
         /// The key that it is an error of.
         given: &'static str,
     },
-    /// The acceleration cannot be filtered.
+    /// The acceleration cannot be resampled or filtered.
     #[error("{}: acceleration: {source}", path.display())]
     Filter {
         /// The recording.
         path: PathBuf,
         /// Why.
-        source: FilterError,
-    },
-    /// The acceleration cannot be resampled.
-    #[error("{}: acceleration: {source}", path.display())]
-    Resample {
-        /// The recording.
-        path: PathBuf,
-        /// Why.
-        source: ResampleError,
+        source: LabError,
     },
     /// The window ends at the lowest point, which the recording does not have.
     #[error(
@@ -134,7 +122,7 @@ impl ReferenceComparison {
         };
         let signals = reference.signals.as_deref().map(|path| Signals::read(path, model, reference)).transpose()?;
         let field = reference.field.as_ref().map(read_field).transpose();
-        let field = field.map_err(|error| ReferenceError::Field(Box::new(error)))?.flatten().map(Arc::new);
+        let field = field?.flatten().map(Arc::new);
         let (signals, annotations) = signals.unwrap_or_default();
         let Signals {
             raw,
@@ -216,20 +204,20 @@ impl ReferenceComparison {
     }
 
     /// Error of a filtered acceleration (paper, equation 14).
-    pub fn acceleration_error(&self, filtered: &Series) -> Option<Result<f64, NormError>> {
+    pub fn acceleration_error(&self, filtered: &Series) -> Option<Result<f64, LabError>> {
         let reference = self.acceleration.as_ref()?;
         Some(relative_error(filtered, reference, self.window))
     }
 
     /// Error of a displacement (paper, equation 15).
-    pub fn displacement_error(&self, displacement: &Series) -> Option<Result<f64, NormError>> {
+    pub fn displacement_error(&self, displacement: &Series) -> Option<Result<f64, LabError>> {
         let reference = self.displacement.as_ref()?;
         Some(relative_error(displacement, reference, self.window))
     }
 }
 
 /// The files of a field, with their times.
-fn read_field(reference: &FieldReference) -> Result<Option<Field>, FieldError> {
+fn read_field(reference: &FieldReference) -> Result<Option<Field>, LabError> {
     let files: Vec<(PathBuf, f64)> = reference.files.iter().cloned().zip(reference.times.iter().copied()).collect();
     Field::read(&files, &FieldOptions { unit: reference.unit })
 }
@@ -325,7 +313,7 @@ impl Signals {
         let names =
             ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
         let sensed = DropChannels::find(measurement, &names);
-        let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source: source.into() })?;
+        let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source })?;
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
         // Where nothing is written, the impactor reached the velocity of the run.
         let is_known = reference.drop_height.is_some() || reference.speed.is_some() || reference.contact_time.is_some();
@@ -392,7 +380,7 @@ fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, Referenc
     let even = match resample::common_step(raw.time()) {
         Some(_) => raw.clone(),
         None => resample::uniform(raw, 1.0 / model.output.sample_rate)
-            .map_err(|source| ReferenceError::Resample { path: path(), source })?,
+            .map_err(|source| ReferenceError::Filter { path: path(), source })?,
     };
     filter::channel(&even, class, Standard::Iso6487).map_err(|source| ReferenceError::Filter { path: path(), source })
 }

@@ -9,8 +9,8 @@ use super::field::{FieldFigures, compare, warnings};
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, RunFindings, Stretch};
 use crate::field_comparison::FieldComparison;
 use crate::script::{Fault, ScriptOutput};
-use lab::signal::filter::{self, FilterError, Standard};
-use lab::signal::resample::{self, ResampleError};
+use lab::signal::filter::{self, Standard};
+use lab::signal::resample;
 use lab::signal::{Channel, Recording, Series, column};
 use scene::model::Model;
 use scene::model::loading::Test;
@@ -53,12 +53,9 @@ pub struct Results {
 /// Why a finished run cannot be measured.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EvaluateError {
-    /// The channel filter needs a higher sample rate.
+    /// The acceleration cannot be resampled, or the channel filter needs a higher sample rate.
     #[error("the acceleration cannot be filtered: {0}")]
-    Filter(#[from] FilterError),
-    /// The acceleration cannot be resampled.
-    #[error("the acceleration cannot be filtered: {0}")]
-    Resample(#[from] ResampleError),
+    Filter(#[from] lab::Error),
     /// The post script failed.
     #[error(transparent)]
     Script(#[from] Fault),

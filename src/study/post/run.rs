@@ -10,7 +10,7 @@ use super::{ReferenceComparison, Results};
 use crate::field_comparison::FieldComparison;
 use crate::script::{Entry, Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
-use lab::field::Field;
+use lab::dic::Field;
 use lab::signal::{Recording, Series, column};
 use scene::model::{Impactor, Model};
 use scene::simulate::Outcome;

@@ -8,9 +8,9 @@ use crate::field_comparison::NoComparison;
 use base::finding::Finding;
 use base::findings;
 use base::number::{duration, significant};
+use lab::Error;
 use lab::experiment;
 use lab::signal::VIRTUAL_RECORDING;
-use lab::signal::norm::NormError;
 use scene::model::Model;
 use scene::simulate::Outcome;
 
@@ -20,7 +20,7 @@ findings! {
     pub enum Warning {
         NoReferenceError {
             channel: &'static str, "what the channel is: `acceleration` or `displacement`" => "channel";
-            reason: NormError, "why";
+            reason: Error, "why";
         } = "no-reference-error", Warning;
             meaning "the error of a channel against the reference cannot be computed";
             remedy "check that the reference covers the window of the comparison and is not zero in it";

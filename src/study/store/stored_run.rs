@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::run_files::{self, MOST_BYTES};
 use base::file::{self, FileError};
+use lab::error::Kind;
 use lab::signal::file::ReadOptions;
 use lab::signal::{self, Recording};
 
@@ -75,7 +76,7 @@ pub enum StoredRunError {
     },
     /// The signals cannot be read.
     #[error(transparent)]
-    Signals(#[from] signal::file::ReadError),
+    Signals(#[from] lab::Error),
     /// The run failed before its first sample.
     #[error("{} has no samples: the run failed before the first: {cause}", path.display())]
     NoSamples {
@@ -117,7 +118,7 @@ impl StoredRun {
     fn of_folder(place: &Path, table: &Path) -> Result<StoredRun, StoredRunError> {
         let failure = text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned());
         let (signals, is_virtual) = signals(table).map_err(|error| match (error, &failure) {
-            (StoredRunError::Signals(error), Some(cause)) if error.lacks_samples() => {
+            (StoredRunError::Signals(error), Some(cause)) if *error.kind() == Kind::NoRows => {
                 StoredRunError::NoSamples { path: place.into(), cause: cause.clone() }
             }
             (error, _) => error,

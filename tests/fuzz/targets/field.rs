@@ -1,12 +1,12 @@
 //! Displacement fields of digital image correlation, and the tables of their times.
 //!
-//! Readers: src/lab/field
+//! Readers: src/lab/dic
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 
 use droptower_fuzz::with_file;
-use lab::field::{Field, FieldOptions, read_times};
+use lab::dic::{Field, FieldOptions, read_times};
 
 fuzz_target!(|input: &[u8]| {
     with_file("field_1.csv", input, |path| {

@@ -1,6 +1,6 @@
 //! Recordings in HDF5.
 //!
-//! Readers: src/lab/signal/hdf5
+//! Readers: src/lab/signal/hdf5.rs src/lab/signal/stored
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

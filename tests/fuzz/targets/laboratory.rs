@@ -1,6 +1,6 @@
 //! Recordings as tests are reduced from them: drops, coupons, stress over stretch, relaxation.
 //!
-//! Readers: src/lab/experiment/drop src/lab/experiment/coupon src/lab/experiment/law_fit src/lab/experiment/relaxation
+//! Readers: src/lab/experiment/drop src/lab/experiment/coupon src/lab/experiment/law_fit src/lab/experiment/relaxation.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,6 +1,6 @@
 //! Recordings in tables, with time and without.
 //!
-//! Readers: src/lab/signal/csv src/lab/signal/text src/lab/signal/file.rs src/lab/signal/column_name.rs src/lab/signal/format.rs
+//! Readers: src/lab/signal/csv src/lab/signal/text.rs src/lab/signal/file.rs src/lab/signal/column_name.rs src/lab/signal/format.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

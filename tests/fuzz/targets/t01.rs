@@ -1,6 +1,6 @@
 //! Time histories of OpenRadioss.
 //!
-//! Readers: src/lab/signal/t01
+//! Readers: src/lab/signal/t01.rs src/lab/signal/stored
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,6 +1,6 @@
 //! Recordings in workbooks of Excel.
 //!
-//! Readers: src/lab/signal/workbook
+//! Readers: src/lab/signal/workbook.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

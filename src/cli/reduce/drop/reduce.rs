@@ -13,15 +13,13 @@ use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use base::file as whole_file;
 use base::finding::Finding;
 use base::number::significant;
-use base::units::Length;
+use lab::error::{Error, Kind};
 use lab::experiment::Warning;
 use lab::experiment::absorption::Body;
 use lab::experiment::drop::{
-    self, ChannelNames, Class, Correction, Drop, DropChannels, DropChannelsError, DropError, Landmarks, Reduction,
-    ReleaseError, Stated, Tower,
+    self, ChannelNames, Class, Correction, Drop, DropChannels, Landmarks, Reduction, Stated, Tower,
 };
-use lab::signal::QuantityError;
-use lab::signal::file::{self, ChannelSelection, ReadError, ReadOptions};
+use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use report::DropTest;
 
 /// How the arguments reduce a recording, checked before one is read.
@@ -58,13 +56,13 @@ impl Reducer<'_> {
             Ok(measurement) => measurement,
             Err(error) => {
                 let test = DropTest::unread(path, faults::recording(&error));
-                return Reading { test, holds_numbers: !ReadError::lacks_samples(&error) };
+                return Reading { test, holds_numbers: *error.kind() != Kind::NoRows };
             }
         };
         let names = ChannelNames { acceleration: self.args.column.clone(), laser: self.args.laser.clone() };
         let test = match DropChannels::find(&measurement, &names) {
             Ok(sensed) => self.test(path, sensed),
-            Err(error) => DropTest::unread(path, mistake(path, &error)),
+            Err(error) => DropTest::unread(path, faults::content(path, &error)),
         };
         Reading { test, holds_numbers: true }
     }
@@ -158,25 +156,12 @@ fn bridge(args: &DropArgs, sensed: &mut DropChannels) -> Option<Warning> {
 }
 
 /// A change by the user that helps with a recording that cannot be reduced.
-fn remedy(error: &DropError, sensed: &DropChannels) -> Option<String> {
-    match error {
-        DropError::NotMeasured(_) => {
-            let longest = significant(1e3 * drop::longest_gap(&sensed.acceleration)?, 6);
-            Some(format!("straight lines replace its gaps up to {longest} ms with --bridge \"{longest} ms\""))
-        }
-        DropError::Release(ReleaseError::UpsideDown { .. }) => {
-            Some("write the acceleration with the other sign into the table".into())
-        }
-        DropError::Release(
-            ReleaseError::BeginsAfterContact { .. } | ReleaseError::NoRelease { .. } | ReleaseError::NoRest { .. },
-        ) => Some("the recording must begin with the rest before the release".into()),
-        DropError::Release(ReleaseError::OtherUnit { is, .. }) => Some(format!("--unit {is}")),
-        DropError::Contradicts { .. } => {
-            Some("a height is measured from the impactor's lowest point to the film; --height \"1 m +- 5 mm\" allows for an error".into())
-        }
-        DropError::NoFit { .. } if sensed.laser.is_some() => Some("leave out the laser: --without-laser".into()),
-        _ => None,
+fn remedy(error: &Error, sensed: &DropChannels) -> Option<String> {
+    if *error.kind() != Kind::Gap {
+        return error.hint().map(str::to_owned);
     }
+    let longest = significant(1e3 * drop::longest_gap(&sensed.acceleration)?, 6);
+    Some(format!("straight lines replace its gaps up to {longest} ms with --bridge \"{longest} ms\""))
 }
 
 fn read_options(args: &DropArgs) -> Result<ReadOptions, Diagnostic> {
@@ -191,21 +176,6 @@ fn read_options(args: &DropArgs) -> Result<ReadOptions, Diagnostic> {
         _ => ChannelSelection::All,
     };
     Ok(args.table.over(ReadOptions { channels, units, unit, ..ReadOptions::default() }))
-}
-
-/// A recording without the channels of a drop.
-fn mistake(path: &Path, error: &DropChannelsError) -> Diagnostic {
-    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
-    match error {
-        DropChannelsError::Quantity(error @ QuantityError::NoUnit { .. }) => faults::quantity(path, error),
-        DropChannelsError::Channel(error) => Diagnostic { hint: error.hint(), ..mistake },
-        DropChannelsError::Several { dimension, .. } if *dimension == Length::DIMENSION => {
-            mistake.hint("--laser NAME, or --without-laser")
-        }
-        DropChannelsError::Several { .. } => mistake.hint("--column NAME"),
-        DropChannelsError::NoAcceleration { .. } => mistake.hint("--unit gives the unit of channels without one"),
-        DropChannelsError::Quantity(_) => mistake,
-    }
 }
 
 /// The folder of the channels beside the head of a test of ISO-MME.

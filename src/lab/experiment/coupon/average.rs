@@ -1,8 +1,7 @@
 //! Means: of figures, of groups of figures, and of curves.
 
-use thiserror::Error;
-
 use super::Curve;
+use crate::error::{Error, refusal};
 
 /// Samples of a mean curve; strain grows with the square of the index, so that the elastic part is resolved.
 pub const AXIS: usize = 600;
@@ -18,30 +17,14 @@ pub struct SampleStatistics {
     pub count: usize,
 }
 
-/// Why there is no mean.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum AverageError {
-    /// There is no figure, curve or group.
-    #[error("there is nothing to average")]
-    Nothing,
-    /// One curve ends before another begins.
-    #[error("the curves have no strain in common: one begins at {start}, another ends at {end}")]
-    NoCommonStrain {
-        /// Largest strain at which one of the curves begins.
-        start: f64,
-        /// Smallest strain at which one of the curves ends.
-        end: f64,
-    },
-}
-
 impl SampleStatistics {
     /// The spread of `figures`.
     ///
     /// # Errors
-    /// [`AverageError::Nothing`] where there is no figure.
-    pub fn from_figures(figures: &[f64]) -> Result<SampleStatistics, AverageError> {
+    /// There is no figure.
+    pub fn from_figures(figures: &[f64]) -> Result<SampleStatistics, Error> {
         if figures.is_empty() {
-            return Err(AverageError::Nothing);
+            return Err(nothing());
         }
         let count = figures.len();
         let mean = figures.iter().sum::<f64>() / count as f64;
@@ -53,8 +36,8 @@ impl SampleStatistics {
     /// The mean of the groups' means, with scatter and number of all figures together.
     ///
     /// # Errors
-    /// [`AverageError::Nothing`] where there is no group, or a group without figures.
-    pub fn from_groups(groups: &[Vec<f64>]) -> Result<SampleStatistics, AverageError> {
+    /// There is no group, or a group without figures.
+    pub fn from_groups(groups: &[Vec<f64>]) -> Result<SampleStatistics, Error> {
         let all = SampleStatistics::from_figures(&groups.concat())?;
         Ok(SampleStatistics { mean: mean_of_means(groups)?, ..all })
     }
@@ -66,10 +49,12 @@ impl SampleStatistics {
 /// drop height, then over both (Table 7). Means are never rounded in between.
 ///
 /// # Errors
-/// [`AverageError::Nothing`] where there is no group, or a group without figures.
-pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, AverageError> {
-    let means =
-        groups.iter().map(|group| Ok(SampleStatistics::from_figures(group)?.mean)).collect::<Result<Vec<_>, _>>()?;
+/// There is no group, or a group without figures.
+pub fn mean_of_means(groups: &[Vec<f64>]) -> Result<f64, Error> {
+    let means = groups
+        .iter()
+        .map(|group| Ok(SampleStatistics::from_figures(group)?.mean))
+        .collect::<Result<Vec<_>, Error>>()?;
     Ok(SampleStatistics::from_figures(&means)?.mean)
 }
 
@@ -81,38 +66,46 @@ pub fn relative_difference(measured: f64, reference: f64) -> f64 {
 /// The mean of `curves` on a common axis of strain: [`AXIS`] samples from the latest beginning to the earliest end.
 ///
 /// # Errors
-/// [`AverageError`] where there is no curve, or no strain that all have.
-pub fn mean_curve(curves: &[Curve]) -> Result<Curve, AverageError> {
+/// There is no curve, or no strain that all have.
+pub fn mean_curve(curves: &[Curve]) -> Result<Curve, Error> {
     let [start, end] = common_strain(curves)?;
     let last = AXIS - 1;
     let place = |i: usize| if i == last { end } else { start + (end - start) * (i as f64 / last as f64).powi(2) };
     let mean = mean_at((0..AXIS).map(place).collect(), curves, Curve::stress_at);
-    mean.ok_or(AverageError::NoCommonStrain { start, end })
+    mean.ok_or_else(|| apart(start, end))
 }
 
 /// The mean of piecewise straight `laws` from their latest beginning to the mean of their ends, exact: it has the
 /// corners of all. A law that has ended is extended along its last piece.
 ///
 /// # Errors
-/// [`AverageError`] where there is no law, or no strain that all have.
-pub fn mean_law(laws: &[Curve]) -> Result<Curve, AverageError> {
+/// There is no law, or no strain that all have.
+pub fn mean_law(laws: &[Curve]) -> Result<Curve, Error> {
     let [start, end] = common_strain(laws)?;
     let mean_end = laws.iter().map(|law| law.range()[1]).sum::<f64>() / laws.len() as f64;
     let corners = laws.iter().flat_map(Curve::strain).copied().filter(|strain| (start..mean_end).contains(strain));
     let mut strain: Vec<f64> = corners.chain([start, mean_end]).collect();
     strain.sort_by(f64::total_cmp);
     strain.dedup();
-    mean_at(strain, laws, Curve::continued).ok_or(AverageError::NoCommonStrain { start, end })
+    mean_at(strain, laws, Curve::continued).ok_or_else(|| apart(start, end))
+}
+
+fn nothing() -> Error {
+    refusal!("there is nothing to average")
+}
+
+fn apart(start: f64, end: f64) -> Error {
+    refusal!("the curves have no strain in common: one begins at {start}, another ends at {end}")
 }
 
 /// Strains from the latest beginning to the earliest end.
-fn common_strain(curves: &[Curve]) -> Result<[f64; 2], AverageError> {
+fn common_strain(curves: &[Curve]) -> Result<[f64; 2], Error> {
     if curves.is_empty() {
-        return Err(AverageError::Nothing);
+        return Err(nothing());
     }
     let start = curves.iter().map(|curve| curve.range()[0]).fold(f64::NEG_INFINITY, f64::max);
     let end = curves.iter().map(|curve| curve.range()[1]).fold(f64::INFINITY, f64::min);
-    if start < end { Ok([start, end]) } else { Err(AverageError::NoCommonStrain { start, end }) }
+    if start < end { Ok([start, end]) } else { Err(apart(start, end)) }
 }
 
 /// The curve of the mean stresses at `strain`, where all `curves` have one.
@@ -140,13 +133,13 @@ mod tests {
         let spread = SampleStatistics::from_figures(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert!((spread.mean - 5.0).abs() < 1e-15 && (spread.deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-14);
         assert_eq!(SampleStatistics::from_figures(&[3.0]).unwrap().deviation, 0.0);
-        assert_eq!(SampleStatistics::from_figures(&[]), Err(AverageError::Nothing));
+        assert_eq!(SampleStatistics::from_figures(&[]), Err(nothing()));
     }
 
     #[test]
     fn groups_of_unequal_size_count_the_same() {
         assert_eq!(mean_of_means(&[vec![1.0, 2.0, 3.0], vec![4.0]]), Ok(3.0));
-        assert_eq!(mean_of_means(&[vec![1.0], vec![]]), Err(AverageError::Nothing));
+        assert_eq!(mean_of_means(&[vec![1.0], vec![]]), Err(nothing()));
     }
 
     #[test]
@@ -168,7 +161,7 @@ mod tests {
             assert!((found[0] - expected[0]).abs() < 1e-12 && (found[1] - expected[1]).abs() < 1e-12, "{found:?}");
         }
         assert_eq!(mean_law(std::slice::from_ref(&first)), Ok(first));
-        assert_eq!(mean_law(&[]), Err(AverageError::Nothing));
+        assert_eq!(mean_law(&[]), Err(nothing()));
     }
 
     #[test]
@@ -176,9 +169,9 @@ mod tests {
         // The mean of the ends, 0.7, lies beyond the latest beginning in the first pair, not in the second.
         for (first, second) in [([0.0, 0.4], [0.5, 1.0]), ([0.0, 0.2], [0.8, 1.0])] {
             let apart = [line(1.0, second, 4), line(1.0, first, 4)];
-            let none = Err(AverageError::NoCommonStrain { start: second[0], end: first[1] });
+            let none = Err(super::apart(second[0], first[1]));
             assert_eq!((mean_curve(&apart), mean_law(&apart)), (none.clone(), none));
         }
-        assert_eq!(mean_curve(&[]), Err(AverageError::Nothing));
+        assert_eq!(mean_curve(&[]), Err(nothing()));
     }
 }

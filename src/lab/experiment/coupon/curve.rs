@@ -1,5 +1,4 @@
-use thiserror::Error;
-
+use crate::error::{Error, Kind, refusal};
 use crate::signal::interpolated;
 use base::budget::Numbers;
 
@@ -16,38 +15,6 @@ pub struct Curve {
     merged: usize,
 }
 
-/// Why numbers are no stress–strain curve; samples count from one.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum CurveError {
-    /// Numbers of strains and stresses differ.
-    #[error("{strain} strains for {stress} stresses")]
-    Lengths {
-        /// Number of strains.
-        strain: usize,
-        /// Number of stresses.
-        stress: usize,
-    },
-    /// Fewer than two samples are left.
-    #[error("a curve needs two samples of different strain")]
-    TooShort,
-    /// A strain or a stress is not finite.
-    #[error("sample {sample} of the curve is not finite")]
-    NotFinite {
-        /// Number of the sample, from one.
-        sample: usize,
-    },
-    /// Strain decreases by more than `JITTER` of its range.
-    #[error("strain goes back at sample {sample}: {strain} after {before}")]
-    GoesBack {
-        /// Number of the sample, from one.
-        sample: usize,
-        /// Engineering strain of the sample.
-        strain: f64,
-        /// Largest engineering strain of the samples before it.
-        before: f64,
-    },
-}
-
 impl Curve {
     /// The curve through samples of `strain` and `stress` (Pa).
     ///
@@ -55,19 +22,19 @@ impl Curve {
     /// isotonic regression, Barlow et al. 1972), as long as it goes back by no more than [`JITTER`] of its range.
     ///
     /// # Errors
-    /// [`CurveError`] where there are not as many stresses as strains, one is not finite, strain goes back further,
-    /// or fewer than two samples are left.
-    pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, CurveError> {
+    /// There are not as many stresses as strains, one is not finite, strain goes back further, or fewer than two samples
+    /// are left.
+    pub fn new(strain: Vec<f64>, stress: Vec<f64>) -> Result<Curve, Error> {
         if strain.len() != stress.len() {
-            return Err(CurveError::Lengths { strain: strain.len(), stress: stress.len() });
+            return Err(lengths(strain.len(), stress.len()));
         }
         if let Some(index) = strain.iter().zip(&stress).position(|(e, s)| !(e.is_finite() && s.is_finite())) {
-            return Err(CurveError::NotFinite { sample: index + 1 });
+            return Err(refusal!("sample {} of the curve is not finite", index + 1));
         }
         check_forward(&strain)?;
         let pools = pooled(&strain, &stress);
         if pools.len() < 2 {
-            return Err(CurveError::TooShort);
+            return Err(too_short());
         }
         let merged = strain.len() - pools.len();
         let (strain, stress) = pools.iter().map(|pool| (pool.strain, pool.stress)).unzip::<_, _, Vec<_>, Vec<_>>();
@@ -137,14 +104,26 @@ impl Curve {
     }
 }
 
-fn check_forward(strain: &[f64]) -> Result<(), CurveError> {
+/// Refuses so many strains for so many stresses.
+pub(super) fn lengths(strain: usize, stress: usize) -> Error {
+    refusal!("{strain} strains for {stress} stresses")
+}
+
+/// Refuses fewer than two samples.
+pub(crate) fn too_short() -> Error {
+    refusal!("a curve needs two samples of different strain")
+}
+
+fn check_forward(strain: &[f64]) -> Result<(), Error> {
     let smallest = strain.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = strain.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let most = JITTER * (largest - smallest);
     let mut before = f64::NEG_INFINITY;
     for (index, strain) in strain.iter().copied().enumerate() {
         if strain < before - most {
-            return Err(CurveError::GoesBack { sample: index + 1, strain, before });
+            let sample = index + 1;
+            let error = refusal!("strain goes back at sample {sample}: {strain} after {before}");
+            return Err(error.with_kind(Kind::GoesBack(sample)));
         }
         before = before.max(strain);
     }

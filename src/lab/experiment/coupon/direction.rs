@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-use thiserror::Error;
-
+use crate::error::{Error, refusal};
 use base::number::significant;
 use base::units::Angle;
 
@@ -27,11 +26,6 @@ pub enum Direction {
 /// Hundredths of a degree from MD towards TD, above 0 and below 180°, none of the four directions with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Hundredths(u16);
-
-/// A word that is not a direction of the film.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{0}` is not a direction of the film: expected MD, TD, D3, D4 or an angle such as 15deg")]
-pub struct DirectionError(pub String);
 
 /// Hundredths of a degree of half a turn, after which a direction comes again.
 const HALF_TURN: i64 = 18_000;
@@ -86,10 +80,10 @@ impl fmt::Display for Direction {
 }
 
 impl FromStr for Direction {
-    type Err = DirectionError;
+    type Err = Error;
 
     /// A name, or an angle with its unit: a number alone may be anything.
-    fn from_str(text: &str) -> Result<Direction, DirectionError> {
+    fn from_str(text: &str) -> Result<Direction, Error> {
         let word = text.trim();
         let named = Direction::NAMED.into_iter().find(|direction| direction.to_string().eq_ignore_ascii_case(word));
         if let Some(named) = named {
@@ -99,7 +93,9 @@ impl FromStr for Direction {
         let angle = if has_unit { Angle::DIMENSION.parse(&word.replace('°', "deg")).ok() } else { None };
         // Two turns and more are a slip.
         let angle = angle.filter(|angle| angle.abs() <= 4.0 * PI);
-        angle.map(Direction::at).ok_or_else(|| DirectionError(text.into()))
+        angle.map(Direction::at).ok_or_else(|| {
+            refusal!("`{text}` is not a direction of the film: expected MD, TD, D3, D4 or an angle such as 15deg")
+        })
     }
 }
 
@@ -128,7 +124,8 @@ mod tests {
             assert_eq!(direction.to_string().parse(), Ok(direction));
         }
         for word in ["", "45", "15 N", "deg", "1e9 deg", "nan deg", "XD"] {
-            assert_eq!(word.parse::<Direction>(), Err(DirectionError(word.into())));
+            let error = word.parse::<Direction>().unwrap_err().to_string();
+            assert!(error.starts_with(&format!("`{word}` is not a direction of the film")), "{error}");
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Direction and speed of a coupon test, from the name and the header of its file.
 
-use thiserror::Error;
-
-use super::direction::{Direction, DirectionError};
+use super::direction::Direction;
+use crate::error::{Error, Kind, refusal};
 use crate::signal::annotations::stated;
 use base::number::significant;
-use base::units::{UnitError, Velocity};
+use base::units::Velocity;
 
 /// Largest speed of jaws in the name of a file, m/s: tensile machines reach some 20 m/s, larger numbers are years.
 pub const FASTEST: f64 = 100.0;
@@ -19,76 +18,41 @@ pub struct Label {
     pub velocity: Option<f64>,
 }
 
-/// Why direction or speed of a test is not known.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum LabelError {
-    /// Neither name nor header states a direction, and none is given.
-    #[error("the direction of the coupon is not known")]
-    NoDirection,
-    /// Neither name nor header states a speed, and none is given.
-    #[error("the speed of the jaws is not known")]
-    NoVelocity,
-    /// Name and header state different directions.
-    #[error("its name states {name}, its header {header}")]
-    Directions {
-        /// Direction of the coupon that the name of the file states.
-        name: Direction,
-        /// Direction of the coupon that the header states.
-        header: Direction,
-    },
-    /// Name and header state different speeds.
-    #[error("its name states {} m/s, its header {} m/s", significant(*name, 6), significant(*header, 6))]
-    Velocities {
-        /// Speed of the jaws that the name of the file states, m/s.
-        name: f64,
-        /// Speed of the jaws that the header states, m/s.
-        header: f64,
-    },
-    /// The header states a direction that is none.
-    #[error("its header: {0}")]
-    Direction(#[from] DirectionError),
-    /// The header states a speed that is none.
-    #[error("its header: {0}")]
-    Velocity(#[from] UnitError),
-}
-
-impl LabelError {
-    /// The remedy.
-    pub fn hint(&self) -> &'static str {
-        match self {
-            LabelError::NoDirection => {
-                "write `# direction: MD` into its header, name it like md-0.02-1.csv, or give --direction"
-            }
-            LabelError::NoVelocity => {
-                "write `# velocity: 0.02 m/s` into its header, name it like md-0.02-1.csv, or give --velocity"
-            }
-            LabelError::Directions { .. } | LabelError::Velocities { .. } => {
-                "correct one of them, or give it on the command line"
-            }
-            LabelError::Direction(_) => "write `# direction: MD`",
-            LabelError::Velocity(_) => "write `# velocity: 0.02 m/s`",
-        }
-    }
-}
-
 /// Direction and speed (m/s) of a test: what is `given` counts before what the file states, in the lines of its header
 /// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it
 /// is direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
-pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), LabelError> {
+pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), Error> {
     let (named, headed) = (named(name), headed(header, given)?);
     let direction = match (given.direction, named.direction, headed.direction) {
         (Some(given), _, _) => given,
-        (None, Some(name), Some(header)) if name != header => return Err(LabelError::Directions { name, header }),
-        (None, name, header) => header.or(name).ok_or(LabelError::NoDirection)?,
+        (None, Some(name), Some(header)) if name != header => return Err(differ(name, header)),
+        (None, name, header) => {
+            header.or(name).ok_or_else(|| not_known("direction of the coupon", "direction", "MD"))?
+        }
     };
     let velocity = match (given.velocity, named.velocity, headed.velocity) {
         (Some(given), _, _) => given,
         (None, Some(name), Some(header)) if !is_same_speed(name, header) => {
-            return Err(LabelError::Velocities { name, header });
+            let [name, header] = [name, header].map(|speed| format!("{} m/s", significant(speed, 6)));
+            return Err(differ(name, header));
         }
-        (None, name, header) => header.or(name).ok_or(LabelError::NoVelocity)?,
+        (None, name, header) => {
+            header.or(name).ok_or_else(|| not_known("speed of the jaws", "velocity", "0.02 m/s"))?
+        }
     };
     Ok((direction, velocity))
+}
+
+/// The refusal of a name and a header that state different values.
+fn differ<T: std::fmt::Display>(name: T, header: T) -> Error {
+    refusal!("its name states {name}, its header {header}")
+        .with_hint("correct one of them, or give it on the command line")
+}
+
+/// The refusal of a test of which neither name nor header states a value, and none is given.
+fn not_known(what: &str, key: &str, example: &str) -> Error {
+    let hint = format!("write `# {key}: {example}` into its header, name it like md-0.02-1.csv, or give --{key}");
+    refusal!("the {what} is not known").with_hint(hint).with_kind(Kind::NoLabel)
 }
 
 /// Whether two speeds differ by no more than the digits of their units.
@@ -123,10 +87,15 @@ fn is_digits(text: &str) -> bool {
 }
 
 /// A line whose value is given otherwise is not read.
-fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
-    let direction = stated(header, "direction").filter(|_| given.direction.is_none()).map(str::parse).transpose()?;
+fn headed(header: &[String], given: Label) -> Result<Label, Error> {
+    let wrong = |line: &str, error: &dyn std::fmt::Display| {
+        refusal!("its header: {error}").with_hint(format!("write `# {line}`"))
+    };
+    let direction = stated(header, "direction").filter(|_| given.direction.is_none()).map(str::parse::<Direction>);
+    let direction = direction.transpose().map_err(|error| wrong("direction: MD", &error))?;
     let velocity = stated(header, "velocity").filter(|_| given.velocity.is_none());
-    let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose()?;
+    let velocity = velocity.map(|text| Velocity::DIMENSION.parse(text)).transpose();
+    let velocity = velocity.map_err(|error| wrong("velocity: 0.02 m/s", &error))?;
     Ok(Label { direction, velocity })
 }
 
@@ -134,7 +103,7 @@ fn headed(header: &[String], given: Label) -> Result<Label, LabelError> {
 mod tests {
     use super::*;
 
-    fn labelled(name: &str, header: &[&str]) -> Result<(Direction, f64), LabelError> {
+    fn labelled(name: &str, header: &[&str]) -> Result<(Direction, f64), Error> {
         let header: Vec<String> = header.iter().map(|line| (*line).to_owned()).collect();
         label(name, &header, Label::default())
     }
@@ -183,7 +152,7 @@ mod tests {
         for name in
             ["md-2024-05-01", "md-2024-05", "md-20240501", "md-0.02-1-2", "md-0.02-a", "md-1e1-1", "md-0-1", "md-inf"]
         {
-            assert_eq!(labelled(name, &[]), Err(LabelError::NoDirection), "{name}");
+            assert_eq!(labelled(name, &[]).unwrap_err().kind(), &Kind::NoLabel, "{name}");
         }
         let header = ["direction: TD", "velocity: 0.2 m/s"];
         assert_eq!(labelled("md-2024-05-01", &header), Ok((Direction::Td, 0.2)));

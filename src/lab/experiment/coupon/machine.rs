@@ -1,6 +1,5 @@
-use thiserror::Error;
-
 use super::{Coupon, Curve};
+use crate::error::{Error, refusal};
 
 /// The tensile machine of virtual tests: jaws that part at one speed, a load cell with noise, and a recorder that
 /// rounds to so many decimals.
@@ -34,10 +33,17 @@ impl LoadCell {
         (self.stiffness / self.jaw_mass).sqrt() / std::f64::consts::TAU
     }
 
-    fn check(&self) -> Result<(), MachineError> {
+    fn check(&self) -> Result<(), Error> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let fits = positive(self.jaw_mass) && positive(self.stiffness) && (0.0..1.0).contains(&self.damping);
-        if fits { Ok(()) } else { Err(MachineError::LoadCell(*self)) }
+        if fits {
+            return Ok(());
+        }
+        let LoadCell { jaw_mass, stiffness, damping } = self;
+        Err(refusal!(
+            "expected a jaw mass and a stiffness above zero and a damping from 0 to below 1, found {jaw_mass} kg, {stiffness} \
+             N/m and {damping}"
+        ))
     }
 
     /// Readings of a `force` (N) that is linear between the times `time` (s), from rest under the first:
@@ -77,47 +83,16 @@ pub struct TensileRecord {
     pub force: Vec<f64>,
 }
 
-/// Why nothing can be recorded.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum MachineError {
-    /// The speed is not positive, m/s.
-    #[error("the speed of the jaws is positive, not {0} m/s")]
-    Velocity(f64),
-    /// Not as many values of noise as rows.
-    #[error("{noise} values of noise for {rows} rows")]
-    Noise {
-        /// Number of values of noise.
-        noise: usize,
-        /// Number of strains, each a row of the recording.
-        rows: usize,
-    },
-    /// A quantity of the load cell is out of its range.
-    #[error(
-        "expected a jaw mass and a stiffness above zero and a damping from 0 to below 1, found {} kg, {} N/m and {}",
-        .0.jaw_mass, .0.stiffness, .0.damping
-    )]
-    LoadCell(LoadCell),
-    /// A strain lies before the start of the curve.
-    #[error("the film has no stress at the strain {0}, where its curve has not begun")]
-    BeforeStart(f64),
-}
-
 impl Machine {
     /// Records a `coupon` whose film follows `curve` and is broken beyond its end, at `strains`; `noise` (N) is added
     /// to the force row by row. The force is that of the rounded displacement, so rounding adds no error; the
     /// deflection of the load cell is left out of the strain.
-    pub fn pull(
-        &self,
-        coupon: &Coupon,
-        curve: &Curve,
-        strains: &[f64],
-        noise: &[f64],
-    ) -> Result<TensileRecord, MachineError> {
+    pub fn pull(&self, coupon: &Coupon, curve: &Curve, strains: &[f64], noise: &[f64]) -> Result<TensileRecord, Error> {
         if !(self.velocity.is_finite() && self.velocity > 0.0) {
-            return Err(MachineError::Velocity(self.velocity));
+            return Err(not_positive(self.velocity));
         }
         if noise.len() != strains.len() {
-            return Err(MachineError::Noise { noise: noise.len(), rows: strains.len() });
+            return Err(refusal!("{} values of noise for {} rows", noise.len(), strains.len()));
         }
         self.load_cell.iter().try_for_each(LoadCell::check)?;
         let mut pull = TensileRecord::default();
@@ -144,13 +119,18 @@ impl Machine {
 }
 
 /// Stress at the rounded value of `strain`; the last one before the break may be rounded across it.
-fn stress(curve: &Curve, strain: f64, rounded: f64) -> Result<f64, MachineError> {
+fn stress(curve: &Curve, strain: f64, rounded: f64) -> Result<f64, Error> {
     let [start, end] = curve.range();
     if strain > end {
         return Ok(0.0);
     }
     let inside = if strain >= start { curve.stress_at(rounded.clamp(start, end)) } else { None };
-    inside.ok_or(MachineError::BeforeStart(strain))
+    inside.ok_or_else(|| refusal!("the film has no stress at the strain {strain}, where its curve has not begun"))
+}
+
+/// The refusal of a speed of the jaws (m/s).
+pub(super) fn not_positive(velocity: f64) -> Error {
+    refusal!("the speed of the jaws is positive, not {velocity} m/s")
 }
 
 fn rounded(value: f64, decimals: u8) -> f64 {
@@ -235,16 +215,20 @@ mod tests {
         let machine = |load_cell| Machine { load_cell: Some(load_cell), ..MACHINE };
         let wrong = LoadCell { jaw_mass: 0.0, stiffness: 1e6, damping: 0.05 };
         let refused = machine(wrong).pull(&coupon, &film, &[0.0], &[0.0]);
-        assert_eq!(refused, Err(MachineError::LoadCell(wrong)));
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.ends_with("found 0 kg, 1000000 N/m and 0.05"), "{refused}");
     }
 
     #[test]
     fn impossible_recordings_are_refused() {
         let (coupon, curve) = parts();
         let late = curve.within([0.5, 1.0]).unwrap();
-        let pull = |machine: Machine, curve, noise: &[f64]| machine.pull(&coupon, curve, &[0.2], noise).unwrap_err();
-        assert_eq!(pull(Machine { velocity: 0.0, ..MACHINE }, &curve, &[0.0]), MachineError::Velocity(0.0));
-        assert_eq!(pull(MACHINE, &curve, &[]), MachineError::Noise { noise: 0, rows: 1 });
-        assert_eq!(pull(MACHINE, &late, &[0.0]), MachineError::BeforeStart(0.2));
+        let pull = |machine: Machine, curve, noise: &[f64]| {
+            machine.pull(&coupon, curve, &[0.2], noise).unwrap_err().to_string()
+        };
+        let still = Machine { velocity: 0.0, ..MACHINE };
+        assert_eq!(pull(still, &curve, &[0.0]), "the speed of the jaws is positive, not 0 m/s");
+        assert_eq!(pull(MACHINE, &curve, &[]), "0 values of noise for 1 rows");
+        assert!(pull(MACHINE, &late, &[0.0]).starts_with("the film has no stress at the strain 0.2"));
     }
 }

@@ -1,6 +1,5 @@
-use thiserror::Error;
-
 use super::Curve;
+use crate::error::{Error, refusal};
 use crate::experiment::fit::least_squares;
 
 /// Strains between which the modulus is fitted by default: the elastic part of a polyethylene film.
@@ -20,37 +19,6 @@ pub struct Modulus {
     pub samples: usize,
 }
 
-/// Why a curve has no modulus.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ModulusError {
-    /// The window has no extent.
-    #[error("expected a window of strain, found {from} to {to}")]
-    Window {
-        /// Lower limit of engineering strain.
-        from: f64,
-        /// Upper limit of engineering strain, not above the lower one.
-        to: f64,
-    },
-    /// Fewer than `FEWEST_SAMPLES` samples in the window.
-    #[error("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")]
-    TooFew {
-        /// Samples in the window.
-        found: usize,
-        /// Lower limit of engineering strain.
-        from: f64,
-        /// Upper limit of engineering strain.
-        to: f64,
-    },
-    /// The slope is not positive.
-    #[error("stress does not rise between the strains {from} and {to}")]
-    NotRising {
-        /// Lower limit of engineering strain.
-        from: f64,
-        /// Upper limit of engineering strain.
-        to: f64,
-    },
-}
-
 impl Modulus {
     /// Stress of the line at `strain`, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
@@ -62,15 +30,24 @@ impl Curve {
     /// Young's modulus (equation 2): slope of the least-squares line through the samples with `from <= strain <= to`.
     ///
     /// The line need not go through the origin, so that neither an offset of the load cell nor slack changes it.
-    pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, ModulusError> {
+    pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, Error> {
         if !(from.is_finite() && to.is_finite() && from < to) {
-            return Err(ModulusError::Window { from, to });
+            return Err(refusal!("expected a window of strain, found {from} to {to}"));
         }
         let inside: Vec<[f64; 2]> = self.samples().filter(|[strain, _]| (from..=to).contains(strain)).collect();
-        let too_few = ModulusError::TooFew { found: inside.len(), from, to };
+        let too_few = || {
+            let found = inside.len();
+            refusal!("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")
+        };
         let line = if inside.len() < FEWEST_SAMPLES { None } else { line(&inside) };
-        let modulus = line.ok_or(too_few)?;
-        if modulus.slope > 0.0 { Ok(modulus) } else { Err(ModulusError::NotRising { from, to }) }
+        let modulus = line.ok_or_else(too_few)?;
+        if modulus.slope > 0.0 {
+            return Ok(modulus);
+        }
+        Err(refusal!("stress does not rise between the strains {from} and {to}").with_hint(
+            "force and displacement count above zero in tension: change the sign of a channel that falls, or give other \
+             strains by --window",
+        ))
     }
 }
 
@@ -108,10 +85,11 @@ mod tests {
 
     #[test]
     fn windows_without_a_slope_are_refused() {
-        let too_few = ModulusError::TooFew { found: 2, from: 0.0, to: 0.0015 };
-        assert_eq!(bent(0.0).modulus([0.0, 0.0015]), Err(too_few));
-        assert_eq!(bent(0.0).modulus([0.1, 0.0]), Err(ModulusError::Window { from: 0.1, to: 0.0 }));
+        let refused = |curve: &Curve, window| curve.modulus(window).unwrap_err().to_string();
+        let too_few = "2 samples between the strains 0 and 0.0015, where a slope needs 3";
+        assert_eq!(refused(&bent(0.0), [0.0, 0.0015]), too_few);
+        assert_eq!(refused(&bent(0.0), [0.1, 0.0]), "expected a window of strain, found 0.1 to 0");
         let slack = Curve::new(vec![0.0, 0.01, 0.02], vec![0.0; 3]).unwrap();
-        assert_eq!(slack.modulus(WINDOW), Err(ModulusError::NotRising { from: 0.0, to: 0.04 }));
+        assert_eq!(refused(&slack, WINDOW), "stress does not rise between the strains 0 and 0.04");
     }
 }

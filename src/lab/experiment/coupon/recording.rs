@@ -1,11 +1,10 @@
 use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
-use super::label::{self, Label, LabelError};
-use super::{Coupon, CouponError, ModulusError, Rules, Sample, SampleError};
+use super::label::{self, Label};
+use super::{Coupon, Rules, Sample};
+use crate::error::{Error, Kind};
+use crate::signal::Measurement;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::{ChannelError, Measurement, QuantityError};
 use base::units::{Force, Length};
 
 /// Dimensions of coupons, as far as they are given; others are those that the head of a file states.
@@ -83,84 +82,6 @@ fn place(path: &Path, specimen: &str) -> PathBuf {
     PathBuf::from(format!("{}, {specimen}", path.display()))
 }
 
-/// Why a file is no recording of a coupon.
-#[derive(Debug, Error)]
-pub enum RecordingError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Read(#[from] file::ReadError),
-    /// The file is read, but holds no coupon test.
-    #[error("{}: {fault}", path.display())]
-    Content {
-        /// File of the recording.
-        path: PathBuf,
-        /// Fault of its channels, its label or its curve.
-        fault: Box<RecordingFault>,
-    },
-}
-
-/// A fault of a recording that could be read.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum RecordingFault {
-    /// The channel of force or displacement is missing.
-    #[error(transparent)]
-    Channel(#[from] ChannelError),
-    /// Force or displacement has another dimension, or no unit.
-    #[error(transparent)]
-    Quantity(#[from] QuantityError),
-    /// Some dimension is neither given nor stated.
-    #[error("the dimensions of the coupon are not known: {missing}{unused}")]
-    NoDimensions {
-        /// Those that are missing.
-        missing: String,
-        /// What the head states and is not used, as part of the message.
-        unused: String,
-    },
-    /// Direction or speed is not known.
-    #[error(transparent)]
-    Label(#[from] LabelError),
-    /// The recording has no stress–strain curve.
-    #[error(transparent)]
-    Coupon(#[from] CouponError),
-    /// The curve has no modulus or no break.
-    #[error(transparent)]
-    Sample(#[from] SampleError),
-}
-
-impl RecordingError {
-    /// The remedy, where there is one.
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            RecordingError::Read(error) => error.hint(),
-            RecordingError::Content { fault, .. } => fault.hint(),
-        }
-    }
-}
-
-impl RecordingFault {
-    fn hint(&self) -> Option<String> {
-        match self {
-            RecordingFault::Channel(error) => error.hint(),
-            RecordingFault::Quantity(QuantityError::NoUnit { name, expected }) => {
-                Some(format!(
-                    "write its unit into the header, e.g. `{name} [{0}]`, or give it: --unit {name}={0}",
-                    expected.unit
-                ))
-            }
-            RecordingFault::NoDimensions { .. } => Some(
-                "give --gauge, --width and --thickness, or state them in the head of the file: `Width;10;mm`".into(),
-            ),
-            RecordingFault::Label(error) => Some(error.hint().into()),
-            RecordingFault::Sample(SampleError::Modulus(ModulusError::NotRising { .. })) => Some(
-                "force and displacement count above zero in tension: change the sign of a channel that falls, or give other \
-                 strains by --window"
-                    .into(),
-            ),
-            _ => None,
-        }
-    }
-}
-
 impl CouponReader {
     /// Of coupons with these dimensions, with the channels `force` and `displacement`, and defaults for the rest.
     pub fn new(dimensions: impl Into<Dimensions>, rules: Rules) -> CouponReader {
@@ -171,7 +92,7 @@ impl CouponReader {
 
     /// Reads the recording at `path` and reduces its specimens: those of a machine's export, or the one of any other
     /// recording.
-    pub fn read_all(&self, path: &Path) -> Result<Vec<CouponTest>, RecordingError> {
+    pub fn read_all(&self, path: &Path) -> Result<Vec<CouponTest>, Error> {
         let export = if self.table.names.is_empty() { file::specimens(path) } else { Ok(None) };
         let export = match export {
             Ok(Some(export)) if export.is_of_machine() || !export.specimens.iter().all(|one| self.is_plain(one)) => {
@@ -182,36 +103,36 @@ impl CouponReader {
             Err(error) => {
                 return match self.read(path) {
                     Ok(test) => Ok(vec![test]),
-                    Err(RecordingError::Read(plain)) if is_behind(&error, &plain) => Err(error.into()),
-                    Err(other) => Err(other),
+                    Err(plain) if is_behind(&error, &plain) => Err(error),
+                    Err(plain) => Err(plain),
                 };
             }
         };
         let reduced = export.specimens.iter().map(|specimen| {
             self.reduce_specimen(path, specimen, &export.comments)
-                .map_err(|fault| RecordingError::Content { path: place(path, &specimen.name), fault: Box::new(fault) })
+                .map_err(|error| error.in_file(&place(path, &specimen.name)))
         });
         reduced.collect()
     }
 
     /// Reads the recording at `path` and reduces it; see [`label::label`] for how its direction and speed are found.
-    pub fn read(&self, path: &Path) -> Result<CouponTest, RecordingError> {
+    pub fn read(&self, path: &Path) -> Result<CouponTest, Error> {
         let channels = ChannelSelection::Named(vec![self.force.clone(), self.displacement.clone()]);
         let options = ReadOptions { channels, ..self.table.clone() };
         // Force over displacement needs no time: the speed is known from elsewhere.
         let measurement = match file::read(path, &options) {
-            Err(error) if error.lacks_time() => file::columns(path, &options)?.over_samples(),
+            Err(error) if *error.kind() == Kind::NoTime => file::columns(path, &options)?.over_samples(),
             read => read?,
         };
-        let content = self.reduce(path, &measurement);
-        content.map_err(|fault| RecordingError::Content { path: path.into(), fault: Box::new(fault) })
+        self.reduce(path, &measurement).map_err(|error| error.in_file(path))
     }
 
-    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, RecordingFault> {
+    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, Error> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let (direction, velocity) = label::label(&name, measurement.annotations.comments(), self.given)?;
-        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION)?;
-        let displacement = measurement.channel(&self.displacement)?.quantity(Length::DIMENSION)?;
+        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION).map_err(with_unit)?;
+        let displacement = measurement.channel(&self.displacement)?;
+        let displacement = displacement.quantity(Length::DIMENSION).map_err(with_unit)?;
         let coupon = self.dimensions.coupon(&[])?;
         let curve = coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
@@ -220,10 +141,19 @@ impl CouponReader {
     }
 }
 
+/// The refusal of a channel without a unit, with how to give it.
+pub(super) fn with_unit(error: Error) -> Error {
+    match error.kind().clone() {
+        Kind::NoUnit { name, unit } => error.with_hint(format!(
+            "write its unit into the header, e.g. `{name} [{unit}]`, or give it: --unit {name}={unit}"
+        )),
+        _ => error,
+    }
+}
+
 /// Whether the fault of an export says more than that of a table: it is one of the head, or is further on in the file.
-fn is_behind(export: &file::ReadError, table: &file::ReadError) -> bool {
-    let line = |error: &file::ReadError| error.place().map_or(0, |(_, line, _)| line);
-    export.is_of_head() || table.has_equal_names() || line(export) > line(table)
+fn is_behind(export: &Error, table: &Error) -> bool {
+    *export.kind() == Kind::ExportHead || *table.kind() == Kind::EqualNames || export.line() > table.line()
 }
 
 #[cfg(test)]
@@ -231,7 +161,7 @@ mod tests {
     use super::*;
     use crate::experiment::coupon::Direction;
 
-    fn read(name: &str, text: &str) -> Result<CouponTest, RecordingError> {
+    fn read(name: &str, text: &str) -> Result<CouponTest, Error> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();

@@ -1,13 +1,11 @@
 use std::collections::BTreeSet;
 
-use thiserror::Error;
-
-use super::average::{AverageError, SampleStatistics, mean_curve};
+use super::average::{SampleStatistics, mean_curve};
 use super::direction::Direction;
 use super::label::is_same_speed;
-use super::{
-    BREAK_SHARE, Curve, Modulus, ModulusError, Rupture, RuptureError, WINDOW, YieldError, YieldPoints, yield_points,
-};
+use super::machine::not_positive;
+use super::{BREAK_SHARE, Curve, Modulus, Rupture, WINDOW, YieldPoints, yield_points};
+use crate::error::{Error, refusal};
 use base::number::significant;
 
 /// How curves are read.
@@ -46,31 +44,11 @@ pub struct Sample {
     pub is_virtual: bool,
 }
 
-/// Why a coupon's curve cannot be read.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum SampleError {
-    /// The speed is not positive, m/s.
-    #[error("the speed of the jaws is positive, not {0} m/s")]
-    Velocity(f64),
-    /// The curve has no modulus.
-    #[error(transparent)]
-    Modulus(#[from] ModulusError),
-    /// The curve has no break.
-    #[error(transparent)]
-    Rupture(#[from] RuptureError),
-    /// Fewer than two samples before the break.
-    #[error("the coupon broke at the strain {at}, before its second sample")]
-    BrokeAtOnce {
-        /// Engineering strain at the break.
-        at: f64,
-    },
-}
-
 impl Sample {
     /// Reads modulus and break of `curve` by the `rules`, and stores the curve up to the break. It counts as measured.
-    pub fn new(direction: Direction, velocity: f64, curve: &Curve, rules: &Rules) -> Result<Sample, SampleError> {
+    pub fn new(direction: Direction, velocity: f64, curve: &Curve, rules: &Rules) -> Result<Sample, Error> {
         if !(velocity.is_finite() && velocity > 0.0) {
-            return Err(SampleError::Velocity(velocity));
+            return Err(not_positive(velocity));
         }
         let line = curve.modulus(rules.window)?;
         let curve = &match rules.toe_compensation {
@@ -79,7 +57,8 @@ impl Sample {
         };
         let (modulus, rupture) = (curve.modulus(rules.window)?, curve.rupture(rules.break_share)?);
         let whole = curve.within([f64::NEG_INFINITY, rupture.strain]);
-        let curve = whole.ok_or(SampleError::BrokeAtOnce { at: rupture.strain })?;
+        let curve = whole
+            .ok_or_else(|| refusal!("the coupon broke at the strain {}, before its second sample", rupture.strain))?;
         Ok(Sample { direction, velocity, modulus, rupture, curve, is_virtual: false })
     }
 }
@@ -119,7 +98,7 @@ pub struct DirectionMeans {
     /// Mean of the speeds' curves up to the first break.
     pub curve: Curve,
     /// Yield points of that mean curve.
-    pub yields: Result<YieldPoints, YieldError>,
+    pub yields: Result<YieldPoints, Error>,
     /// How many of the coupons are virtual: computed, not measured.
     pub virtual_recordings: usize,
 }
@@ -133,37 +112,11 @@ pub struct Reduction {
     pub modulus: Option<f64>,
 }
 
-/// Why coupons cannot be reduced together.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ReductionError {
-    /// No coupon is given.
-    #[error("there is no coupon to reduce")]
-    Nothing,
-    /// The coupons of one speed have no mean.
-    #[error("{direction} at {} m/s: {source}", significant(*velocity, 6))]
-    SpeedMeans {
-        /// Direction of the coupons.
-        direction: Direction,
-        /// Speed of the jaws, m/s.
-        velocity: f64,
-        /// Why they have no mean.
-        source: AverageError,
-    },
-    /// The speeds of one direction have no mean.
-    #[error("{direction}: {source}")]
-    DirectionMeans {
-        /// Direction of the coupons.
-        direction: Direction,
-        /// Why they have no mean.
-        source: AverageError,
-    },
-}
-
 impl Reduction {
     /// Averages `samples` per direction and speed, then over the speeds of each direction, as the paper does.
-    pub fn from_samples(samples: &[Sample], rules: &Rules) -> Result<Reduction, ReductionError> {
+    pub fn from_samples(samples: &[Sample], rules: &Rules) -> Result<Reduction, Error> {
         if samples.is_empty() {
-            return Err(ReductionError::Nothing);
+            return Err(refusal!("there is no coupon to reduce"));
         }
         let measured: BTreeSet<Direction> = samples.iter().map(|sample| sample.direction).collect();
         let directions =
@@ -203,7 +156,7 @@ impl DirectionMeans {
     }
 }
 
-fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<DirectionMeans, ReductionError> {
+fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<DirectionMeans, Error> {
     let samples: Vec<&Sample> = samples.iter().filter(|sample| sample.direction == direction).collect();
     let mut velocities: Vec<f64> = samples.iter().map(|sample| sample.velocity).collect();
     velocities.sort_by(f64::total_cmp);
@@ -213,18 +166,14 @@ fn along(direction: Direction, samples: &[Sample], rules: &Rules) -> Result<Dire
         .map(|velocity| samples.iter().copied().filter(|sample| is_same_speed(sample.velocity, *velocity)).collect())
         .collect();
     let speeds = groups.iter().zip(&velocities).map(|(group, velocity)| {
-        at_speed(*velocity, group).map_err(|source| ReductionError::SpeedMeans {
-            direction,
-            velocity: *velocity,
-            source,
-        })
+        at_speed(*velocity, group)
+            .map_err(|error| error.about(format!("{direction} at {} m/s", significant(*velocity, 6))))
     });
     let speeds = speeds.collect::<Result<Vec<_>, _>>()?;
-    over_speeds(direction, &groups, speeds, rules)
-        .map_err(|source| ReductionError::DirectionMeans { direction, source })
+    over_speeds(direction, &groups, speeds, rules).map_err(|error| error.about(direction))
 }
 
-fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<SpeedMeans, AverageError> {
+fn at_speed(velocity: f64, samples: &[&Sample]) -> Result<SpeedMeans, Error> {
     let moduli = figures(samples, |sample| sample.modulus.slope);
     let curves: Vec<Curve> = samples.iter().map(|sample| sample.curve.clone()).collect();
     Ok(SpeedMeans {
@@ -242,7 +191,7 @@ fn over_speeds(
     groups: &[Vec<&Sample>],
     speeds: Vec<SpeedMeans>,
     rules: &Rules,
-) -> Result<DirectionMeans, AverageError> {
+) -> Result<DirectionMeans, Error> {
     let spread = |figure: fn(&Sample) -> f64| {
         let groups: Vec<Vec<f64>> = groups.iter().map(|group| figures(group, figure)).collect();
         SampleStatistics::from_groups(&groups)
@@ -328,6 +277,6 @@ mod tests {
         let reduction = Reduction::from_samples(&angles, &Rules::default()).unwrap();
         let names: Vec<String> = reduction.directions.iter().map(|along| along.direction.to_string()).collect();
         assert_eq!(names, ["MD", "D4", "15deg", "30deg"]);
-        assert_eq!(Reduction::from_samples(&[], &Rules::default()), Err(ReductionError::Nothing));
+        assert!(Reduction::from_samples(&[], &Rules::default()).is_err());
     }
 }

@@ -1,32 +1,19 @@
-use thiserror::Error;
-
 use super::Curve;
-
-/// Why two curves cannot be compared.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ResidualError {
-    /// The curve is shorter than the reference.
-    #[error("the curve has no stress at the strain {strain}, where the reference has one")]
-    NotCovered {
-        /// Engineering strain of the reference outside the curve.
-        strain: f64,
-    },
-    /// Relative residuals of zero stress are undefined.
-    #[error("the reference has no stress anywhere")]
-    ZeroReference,
-}
+use crate::error::{Error, refusal};
 
 /// The differences √w (σ − σ_e)/√(Σ w σ_e²) of `curve` from `reference` at the samples of the reference, with the
 /// weights w of the trapezoidal rule over strain (methods.md, equation 162). Their norm is the relative error over
 /// strain; samples that lie close count no more than others.
-pub fn relative_residuals(curve: &Curve, reference: &Curve) -> Result<Vec<f64>, ResidualError> {
+pub fn relative_residuals(curve: &Curve, reference: &Curve) -> Result<Vec<f64>, Error> {
     let weights = weights(reference.strain());
     let size: f64 = weights.iter().zip(reference.stress()).map(|(w, expected)| w * expected * expected).sum();
     if size == 0.0 {
-        return Err(ResidualError::ZeroReference);
+        return Err(refusal!("the reference has no stress anywhere"));
     }
     let residual = |([strain, expected], w): ([f64; 2], &f64)| {
-        let found = curve.stress_at(strain).ok_or(ResidualError::NotCovered { strain })?;
+        let found = curve
+            .stress_at(strain)
+            .ok_or_else(|| refusal!("the curve has no stress at the strain {strain}, where the reference has one"))?;
         Ok((w / size).sqrt() * (found - expected))
     };
     reference.samples().zip(&weights).map(residual).collect()
@@ -72,8 +59,9 @@ mod tests {
     #[test]
     fn curves_without_common_strain_are_refused() {
         let curve = |strain: f64, stress: f64| Curve::new(vec![0.0, strain], vec![0.0, stress]).unwrap();
-        let found = relative_residuals(&curve(0.5, 1.0), &curve(1.0, 1.0));
-        assert_eq!(found, Err(ResidualError::NotCovered { strain: 1.0 }));
-        assert_eq!(relative_residuals(&curve(1.0, 1.0), &curve(1.0, 0.0)), Err(ResidualError::ZeroReference));
+        let refused = |curve, reference| relative_residuals(&curve, &reference).unwrap_err().to_string();
+        let short = refused(curve(0.5, 1.0), curve(1.0, 1.0));
+        assert_eq!(short, "the curve has no stress at the strain 1, where the reference has one");
+        assert_eq!(refused(curve(1.0, 1.0), curve(1.0, 0.0)), "the reference has no stress anywhere");
     }
 }

@@ -1,6 +1,5 @@
-use thiserror::Error;
-
 use super::Curve;
+use crate::error::{Error, refusal};
 
 /// Share of the largest force below which a coupon counts as broken, by default.
 pub const BREAK_SHARE: f64 = 0.5;
@@ -27,31 +26,19 @@ pub enum CurveEnd {
     RecordEnded,
 }
 
-/// Why a curve has no break.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum RuptureError {
-    /// The criterion of the break is no share.
-    #[error("the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}")]
-    Share {
-        /// Share of the largest force below which a coupon counts as broken.
-        share: f64,
-    },
-    /// The largest force is the first.
-    #[error("the force never rises: its largest value is the first")]
-    NeverRises,
-}
-
 impl Curve {
     /// Where the coupon broke: from the first sample after the largest force that lies below `share` of it, back to
     /// where that fall began; the end of the record where there is none.
-    pub fn rupture(&self, share: f64) -> Result<Rupture, RuptureError> {
+    pub fn rupture(&self, share: f64) -> Result<Rupture, Error> {
         if !(share > 0.0 && share < 1.0) {
-            return Err(RuptureError::Share { share });
+            return Err(refusal!(
+                "the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}"
+            ));
         }
         let stress = self.stress();
         let peak = (0..stress.len()).max_by(|a, b| stress[*a].total_cmp(&stress[*b])).unwrap_or(0);
         if peak == 0 || stress[peak] <= 0.0 {
-            return Err(RuptureError::NeverRises);
+            return Err(refusal!("the force never rises: its largest value is the first"));
         }
         let collapsed = (peak..stress.len()).find(|i| stress[*i] < share * stress[peak]);
         let (last, ending) = match collapsed {
@@ -95,8 +82,13 @@ mod tests {
 
     #[test]
     fn a_force_that_never_rises_is_refused() {
-        assert_eq!(curve(&[3.0, 2.0, 1.0]).rupture(BREAK_SHARE), Err(RuptureError::NeverRises));
-        assert_eq!(curve(&[-3.0, -2.0, -1.0]).rupture(BREAK_SHARE), Err(RuptureError::NeverRises));
-        assert_eq!(curve(&[0.0, 1.0]).rupture(1.5), Err(RuptureError::Share { share: 1.5 }));
+        for (stress, share, expected) in [
+            (&[3.0, 2.0, 1.0][..], BREAK_SHARE, "the force never rises"),
+            (&[-3.0, -2.0, -1.0], BREAK_SHARE, "the force never rises"),
+            (&[0.0, 1.0], 1.5, "the share of the largest force at which a coupon is broken"),
+        ] {
+            let error = curve(stress).rupture(share).unwrap_err().to_string();
+            assert!(error.starts_with(expected), "{error}");
+        }
     }
 }

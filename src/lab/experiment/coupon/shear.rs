@@ -4,7 +4,9 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use super::{Curve, CurveError};
+use super::Curve;
+use super::curve::lengths;
+use crate::Error;
 
 /// A square of film, unstretched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,9 +56,9 @@ impl Square {
     }
 
     /// The shear curve of a recording; samples beyond [`Square::limit`] are cut off and counted.
-    pub fn shear(&self, force: &[f64], displacement: &[f64]) -> Result<Shear, CurveError> {
+    pub fn shear(&self, force: &[f64], displacement: &[f64]) -> Result<Shear, Error> {
         if force.len() != displacement.len() {
-            return Err(CurveError::Lengths { strain: displacement.len(), stress: force.len() });
+            return Err(lengths(displacement.len(), force.len()));
         }
         let states = force.iter().zip(displacement).map_while(|(force, d)| self.state(*force, *d));
         let (angle, stress) = states.map(|[angle, stress]| (angle, stress)).unzip::<_, _, Vec<_>, Vec<_>>();

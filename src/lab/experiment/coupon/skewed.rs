@@ -6,10 +6,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use thiserror::Error;
-
 use super::shear::Shear;
-use super::{Coupon, Curve, CurveError, JITTER};
+use super::{Coupon, Curve, JITTER};
+use crate::error::{Error, refusal};
 use membrane::material;
 
 /// Largest |sin γ| at which the angle of a fabric is the arcsine (theory.md, equation 7).
@@ -29,11 +28,6 @@ pub enum ShearMethod {
     /// Fibres do not stretch: the rhombus of the paper's equations 4 to 8.
     Rhombus,
 }
-
-/// A text is no [`ShearMethod`].
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("expected free, held or rhombus, found `{0}`")]
-pub struct ShearMethodError(String);
 
 impl ShearMethod {
     /// All of them.
@@ -56,11 +50,11 @@ impl fmt::Display for ShearMethod {
 }
 
 impl FromStr for ShearMethod {
-    type Err = ShearMethodError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<ShearMethod, ShearMethodError> {
+    fn from_str(text: &str) -> Result<ShearMethod, Error> {
         let found = ShearMethod::ALL.into_iter().find(|method| method.name() == text);
-        found.ok_or_else(|| ShearMethodError(text.into()))
+        found.ok_or_else(|| refusal!("expected free, held or rhombus, found `{text}`"))
     }
 }
 
@@ -129,7 +123,7 @@ impl Coupon {
     ///
     /// # Errors
     /// Samples that make no [`Curve`].
-    pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, CurveError> {
+    pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, Error> {
         let state = match method {
             ShearMethod::Rhombus => return self.shear(curve),
             ShearMethod::Free => Fibres::free,

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::label::{is_same_speed, label};
-use super::recording::{CouponReader, CouponTest, Dimensions, RecordingFault, SpecimenNote};
-use super::{Coupon, Direction, LabelError, Sample};
+use super::recording::{CouponReader, CouponTest, Dimensions, SpecimenNote, with_unit};
+use super::{Coupon, Direction, Sample};
+use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
 use crate::signal::export::{Specimen, Stated, Statement, is_displacement, is_force};
-use crate::signal::{Annotations, ChannelError, QuantityError, Series};
+use crate::signal::{Annotations, Series, ambiguous, check_dimension, missing};
 use base::number::significant;
 use base::units::{Dimension, Force, Length};
 
@@ -24,7 +25,7 @@ impl CouponReader {
         path: &Path,
         specimen: &Specimen,
         comments: &[String],
-    ) -> Result<CouponTest, RecordingFault> {
+    ) -> Result<CouponTest, Error> {
         let stated = &specimen.stated;
         let mut replaced = Vec::new();
         let coupon = self.dimensions.or(stated, &mut replaced).coupon(&stated.unused)?;
@@ -47,7 +48,7 @@ impl CouponReader {
         specimen: &Specimen,
         comments: &[String],
         replaced: &mut Vec<String>,
-    ) -> Result<(Direction, f64), RecordingFault> {
+    ) -> Result<(Direction, f64), Error> {
         let Stated { speed, direction, .. } = &specimen.stated;
         let mut header = comments.to_vec();
         header.extend(direction.iter().map(|word| format!("direction: {word}")));
@@ -59,8 +60,8 @@ impl CouponReader {
         }
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         match label(&specimen.name, &header, self.given) {
-            Err(LabelError::NoDirection | LabelError::NoVelocity) => Ok(label(&stem, &header, self.given)?),
-            found => Ok(found?),
+            Err(error) if *error.kind() == Kind::NoLabel => label(&stem, &header, self.given),
+            found => found,
         }
     }
 
@@ -73,7 +74,7 @@ impl CouponReader {
         usual: &str,
         is: fn(&str) -> bool,
         dimension: Dimension,
-    ) -> Result<(String, Series), RecordingFault> {
+    ) -> Result<(String, Series), Error> {
         let named = |column: &&(usize, &ColumnName)| column.1.name == wanted || column.1.label == wanted;
         let columns: Vec<(usize, &ColumnName)> = specimen.columns.iter().enumerate().collect();
         let mut found: Vec<&(usize, &ColumnName)> = columns.iter().filter(named).collect();
@@ -81,26 +82,17 @@ impl CouponReader {
             found = columns.iter().filter(|(_, column)| is(&column.name)).collect();
         }
         let [(place, column)] = found[..] else {
-            let name = wanted.to_owned();
-            let labels =
-                |columns: &[&(usize, &ColumnName)]| columns.iter().map(|(_, column)| column.label.clone()).collect();
+            let labels = |columns: &[&(usize, &ColumnName)]| -> Vec<String> {
+                columns.iter().map(|(_, column)| column.label.clone()).collect()
+            };
             return Err(match found.is_empty() {
-                true => ChannelError::Missing { name, known: labels(&columns.iter().collect::<Vec<_>>()) },
-                false => ChannelError::Ambiguous { name, labels: labels(&found) },
-            }
-            .into());
+                true => missing(wanted, &labels(&columns.iter().collect::<Vec<_>>())),
+                false => ambiguous(wanted, &labels(&found)),
+            });
         };
         let given = self.table.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
         let unit = column.unit.as_ref().or(given.map(|(_, unit)| unit));
-        let name = column.name.clone();
-        let unit = match unit {
-            Some(unit) if unit.measures(dimension) => unit,
-            Some(unit) => {
-                let found = unit.symbol().to_owned();
-                return Err(QuantityError::OtherDimension { name, found, expected: dimension }.into());
-            }
-            None => return Err(QuantityError::NoUnit { name, expected: dimension }.into()),
-        };
+        let unit = check_dimension(&column.name, unit, dimension).map_err(with_unit)?;
         let values: Vec<f64> = specimen.values[*place].iter().map(|value| unit.to_si(*value)).collect();
         let rows: Vec<f64> = (0..values.len()).map(|row| row as f64).collect();
         Ok((column.label.clone(), Series::new(rows, values)))
@@ -129,16 +121,19 @@ impl Dimensions {
     ///
     /// # Errors
     /// One of them is not known, or not positive.
-    pub(super) fn coupon(&self, unused: &[String]) -> Result<Coupon, RecordingFault> {
+    pub(super) fn coupon(&self, unused: &[String]) -> Result<Coupon, Error> {
         let all = [("gauge", self.gauge), ("width", self.width), ("thickness", self.thickness)];
         let missing: Vec<&'static str> =
             all.iter().filter(|(_, value)| value.is_none()).map(|(name, _)| *name).collect();
         match (self.gauge, self.width, self.thickness) {
-            (Some(gauge), Some(width), Some(thickness)) => Ok(Coupon::new(gauge, width, thickness)?),
+            (Some(gauge), Some(width), Some(thickness)) => Coupon::new(gauge, width, thickness),
             _ => {
                 let unused: String =
                     unused.iter().map(|statement| format!("; the head states `{statement}`")).collect();
-                Err(RecordingFault::NoDimensions { missing: missing.join(", "), unused })
+                let missing = missing.join(", ");
+                Err(refusal!("the dimensions of the coupon are not known: {missing}{unused}").with_hint(
+                    "give --gauge, --width and --thickness, or state them in the head of the file: `Width;10;mm`",
+                ))
             }
         }
     }

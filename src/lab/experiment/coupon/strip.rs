@@ -1,9 +1,8 @@
 //! The strip of film that is tested.
 
-use thiserror::Error;
-
-use super::curve::{Curve, CurveError};
+use super::curve::Curve;
 use super::shear;
+use crate::error::{Error, refusal};
 use crate::signal::Series;
 use base::number::significant;
 
@@ -15,44 +14,13 @@ pub struct Coupon {
     thickness: f64,
 }
 
-/// Why there is no such coupon, or why it has no stress–strain curve.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum CouponError {
-    /// A dimension is not positive.
-    #[error("the {what} of a coupon is a positive length, not {} m", significant(*value, 6))]
-    NotPositive {
-        /// Gauge length, width or thickness, as the message names it.
-        what: &'static str,
-        /// Its value, m.
-        value: f64,
-    },
-    /// Force and displacement have different times.
-    #[error("force and displacement have no common time axis ({force} and {displacement} samples)")]
-    Axes {
-        /// Samples of the force.
-        force: usize,
-        /// Samples of the displacement.
-        displacement: usize,
-    },
-    /// A sample is missing.
-    #[error("the {quantity} was not measured at {} s", significant(*time, 9))]
-    NotMeasured {
-        /// Force or displacement, as the message names it.
-        quantity: &'static str,
-        /// Time of the first missing sample, s.
-        time: f64,
-    },
-    /// The samples make no curve.
-    #[error(transparent)]
-    Curve(#[from] CurveError),
-}
-
 impl Coupon {
     /// A coupon of the length l₀ between the jaws, its width w and its thickness h, all in m.
-    pub fn new(gauge: f64, width: f64, thickness: f64) -> Result<Coupon, CouponError> {
+    pub fn new(gauge: f64, width: f64, thickness: f64) -> Result<Coupon, Error> {
         for (what, value) in [("gauge length", gauge), ("width", width), ("thickness", thickness)] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(CouponError::NotPositive { what, value });
+                let value = significant(value, 6);
+                return Err(refusal!("the {what} of a coupon is a positive length, not {value} m"));
             }
         }
         Ok(Coupon { gauge, width, thickness })
@@ -85,18 +53,21 @@ impl Coupon {
     ///
     /// # Errors
     /// Unequal time axes, a sample that was not measured, and what makes no [`Curve`].
-    pub fn curve(&self, force: &Series, displacement: &Series) -> Result<Curve, CouponError> {
+    pub fn curve(&self, force: &Series, displacement: &Series) -> Result<Curve, Error> {
         if force.time() != displacement.time() {
-            return Err(CouponError::Axes { force: force.len(), displacement: displacement.len() });
+            let [force, displacement] = [force, displacement].map(Series::len);
+            return Err(refusal!(
+                "force and displacement have no common time axis ({force} and {displacement} samples)"
+            ));
         }
         for (quantity, series) in [("force", force), ("displacement", displacement)] {
             if let Some([time, _]) = series.samples().find(|[_, value]| !value.is_finite()) {
-                return Err(CouponError::NotMeasured { quantity, time });
+                return Err(refusal!("the {quantity} was not measured at {} s", significant(time, 9)));
             }
         }
         let strain = displacement.values().iter().map(|d| d / self.gauge).collect();
         let stress = force.values().iter().map(|f| f / self.area()).collect();
-        Ok(Curve::new(strain, stress)?)
+        Curve::new(strain, stress)
     }
 
     /// Shear of the film from a `curve` recorded at 45° (D3), by equations 4 to 8.
@@ -108,7 +79,7 @@ impl Coupon {
     ///
     /// # Errors
     /// Samples that make no [`Curve`].
-    pub fn shear(&self, curve: &Curve) -> Result<shear::Shear, CurveError> {
+    pub fn shear(&self, curve: &Curve) -> Result<shear::Shear, Error> {
         let square = shear::Square::with_diagonal(self.gauge.min(self.width), self.thickness);
         let force = self.area() * square.diagonal() / self.width;
         let forces: Vec<f64> = curve.stress().iter().map(|stress| stress * force).collect();
@@ -156,11 +127,12 @@ mod tests {
         );
         let line = |values: [f64; 3]| Series::new([0.0, 1.0, 2.0], values);
         let good = line([0.0, 1.0, 2.0]);
-        let gap = coupon().curve(&line([0.0, f64::NAN, 2.0]), &good);
-        assert_eq!(gap, Err(CouponError::NotMeasured { quantity: "force", time: 1.0 }));
-        let short = coupon().curve(&good, &good.window([0.0, 1.0]));
-        assert_eq!(short, Err(CouponError::Axes { force: 3, displacement: 2 }));
-        let back = coupon().curve(&good, &line([0.0, 0.002, 0.001])).unwrap_err().to_string();
-        assert_eq!(back, "strain goes back at sample 3: 0.2 after 0.4");
+        for (force, displacement, expected) in [
+            (&line([0.0, f64::NAN, 2.0]), &good, "the force was not measured at 1 s"),
+            (&good, &good.window([0.0, 1.0]), "force and displacement have no common time axis (3 and 2 samples)"),
+            (&good, &line([0.0, 0.002, 0.001]), "strain goes back at sample 3: 0.2 after 0.4"),
+        ] {
+            assert_eq!(coupon().curve(force, displacement).unwrap_err().to_string(), expected);
+        }
     }
 }

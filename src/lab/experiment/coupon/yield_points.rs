@@ -1,6 +1,5 @@
-use thiserror::Error;
-
-use super::{Curve, ModulusError};
+use super::Curve;
+use crate::error::{Error, refusal};
 use crate::experiment::fit::least_squares;
 
 /// Fewest samples that a broken line is fitted to.
@@ -38,29 +37,6 @@ pub struct YieldPoints {
     pub residual: f64,
 }
 
-/// Why a curve has no double yield point.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum YieldError {
-    /// The curve has no elastic line.
-    #[error("the elastic line that the yield points are sought beyond: {0}")]
-    Elastic(#[from] ModulusError),
-    /// Fewer than `FEWEST_SAMPLES` samples beyond the elastic line.
-    #[error("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}")]
-    TooFew {
-        /// Samples beyond the elastic line.
-        found: usize,
-    },
-    /// No bend.
-    #[error("the curve has no yield point: beyond the elastic part it is one straight line")]
-    None,
-    /// One bend.
-    #[error("the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two")]
-    OnlyOne {
-        /// Engineering strain of the one bend.
-        at: f64,
-    },
-}
-
 /// The yield points of `curve`: the two bends of the continuous line of three straight pieces that fits it best.
 ///
 /// The line begins where the elastic line ends, which is fitted in the window `elastic` (see [`Curve::modulus`]), so a
@@ -70,17 +46,21 @@ pub enum YieldError {
 /// # Errors
 /// No elastic line, too few samples, and a curve that one bend describes as well: two must lower the root mean square
 /// distance to three quarters, lie apart by half of the first one's strain, and each change the slope by a twentieth.
-pub fn yield_points(curve: &Curve, elastic: [f64; 2]) -> Result<YieldPoints, YieldError> {
-    let line = curve.modulus(elastic)?;
+pub fn yield_points(curve: &Curve, elastic: [f64; 2]) -> Result<YieldPoints, Error> {
+    let line = curve.modulus(elastic);
+    let line = line.map_err(|error| error.about("the elastic line that the yield points are sought beyond"))?;
     let start = [elastic[1], line.stress(elastic[1])];
     let scatter = Scatter::beyond(curve, start)?;
     let (straight, one, two) = (scatter.straight(), scatter.bent_once(), scatter.bent_twice());
     let exact = EXACT * curve.stress().iter().fold(0.0, |largest: f64, stress| largest.max(stress.abs()));
     if one.residual > GAIN * straight.residual || straight.residual <= exact {
-        return Err(YieldError::None);
+        return Err(refusal!("the curve has no yield point: beyond the elastic part it is one straight line"));
     }
     if two.residual > GAIN * one.residual || one.residual <= exact || !two.bends_everywhere() {
-        return Err(YieldError::OnlyOne { at: start[0] + one.bends[0] });
+        let at = start[0] + one.bends[0];
+        return Err(refusal!(
+            "the curve has no second yield point: one bend, at the strain {at:.3}, describes it as well as two"
+        ));
     }
     let [first, second] = two.bends;
     let [rise, further] = [two.slopes[0] * first, two.slopes[1] * (second - first)];
@@ -109,11 +89,12 @@ struct Broken<const P: usize, const B: usize> {
 }
 
 impl Scatter {
-    fn beyond(curve: &Curve, [strain, stress]: [f64; 2]) -> Result<Scatter, YieldError> {
+    fn beyond(curve: &Curve, [strain, stress]: [f64; 2]) -> Result<Scatter, Error> {
         let samples = curve.samples().map(|[e, s]| [e - strain, s - stress]).filter(|[e, _]| *e > 0.0);
         let samples: Vec<[f64; 2]> = samples.collect();
         if samples.len() < FEWEST_SAMPLES {
-            return Err(YieldError::TooFew { found: samples.len() });
+            let found = samples.len();
+            return Err(refusal!("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}"));
         }
         let end = samples[samples.len() - 1][0];
         let place = |i: usize| samples[i][0];
@@ -273,6 +254,13 @@ mod tests {
         assert_near(found.second, TD[1], 0.02);
     }
 
+    /// Strain of the only bend that a curve is refused for.
+    fn only_bend(found: &Result<YieldPoints, Error>) -> f64 {
+        let error = found.as_ref().unwrap_err().to_string();
+        let (_, rest) = error.split_once("one bend, at the strain ").unwrap_or_else(|| panic!("{error}"));
+        rest.split(',').next().unwrap().parse().unwrap()
+    }
+
     /// Coupons whose only corner lies between their samples, averaged: the corner of the mean is blunt.
     #[test]
     fn a_corner_between_samples_is_one_bend() {
@@ -282,11 +270,7 @@ mod tests {
                 let coupon = sampled(&[[corner, 30e6 * corner], end], count, |_| 0.0);
                 let mean = mean_curve(&[coupon.clone(), coupon]).unwrap();
                 let found = yield_points(&mean, ELASTIC);
-                let is_near = |at: f64| (at - corner).abs() < 0.005;
-                assert!(
-                    matches!(found, Err(YieldError::OnlyOne { at }) if is_near(at)),
-                    "{corner}, {count}: {found:?}"
-                );
+                assert!((only_bend(&found) - corner).abs() < 0.005, "{corner}, {count}: {found:?}");
             }
         }
     }
@@ -295,11 +279,12 @@ mod tests {
     fn curves_without_two_bends_are_refused() {
         for noise in [|_| 0.0, noise] {
             let straight = yield_points(&sampled(&[[1.0, 30e6]], 400, noise), ELASTIC);
-            assert_eq!(straight, Err(YieldError::None));
+            assert!(straight.unwrap_err().message().starts_with("the curve has no yield point"));
             let bent = yield_points(&sampled(&[[0.3, 8e6], [1.4, 20e6]], 400, noise), ELASTIC);
-            assert!(matches!(bent, Err(YieldError::OnlyOne { at }) if (at - 0.3).abs() < 0.01), "{bent:?}");
+            assert!((only_bend(&bent) - 0.3).abs() < 0.01, "{bent:?}");
         }
         let short = sampled(&MD, 15, |_| 0.0);
-        assert!(matches!(yield_points(&short, [0.0, 0.2]), Err(YieldError::TooFew { found: 13 })));
+        let few = yield_points(&short, [0.0, 0.2]).unwrap_err();
+        assert!(few.message().starts_with("13 samples beyond the elastic part"), "{few}");
     }
 }

@@ -1,15 +1,14 @@
-//! Which channels of a recording are the accelerometer and the laser.
+//! What a recording holds of a drop: which channels are the accelerometer and the laser, and what its header states about
+//! the tower.
 
-use thiserror::Error;
-
-use super::error::DropError;
 use super::reduce::reduce;
 use super::result::Drop;
-use super::tower::{Class, Reduction, Tower};
+use super::{Class, Reduction, Tower};
+use crate::error::{Error, refusal};
 use crate::experiment::Warning;
-use crate::signal::{self, Annotations, ChannelError, MeasuredChannel, Measurement, QuantityError, Series};
+use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations};
 use base::diagnostic::listed;
-use base::units::{Acceleration, Dimension, Length};
+use base::units::{Acceleration, Dimension, Length, Mass, UnitError};
 
 /// Channels as the user names them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,38 +32,14 @@ pub struct DropChannels {
     pub annotations: Annotations,
 }
 
-/// Why a recording has no such channels.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum DropChannelsError {
-    /// No channel, or several, of the given name.
-    #[error(transparent)]
-    Channel(#[from] ChannelError),
-    /// The channel of the given name has another dimension, or no unit.
-    #[error(transparent)]
-    Quantity(#[from] QuantityError),
-    /// No channel is an acceleration.
-    #[error("none of the channels {} is an acceleration", listed(names))]
-    NoAcceleration {
-        /// Names of all channels, in the order of the file.
-        names: Vec<String>,
-    },
-    /// No channel is named, and several have the dimension.
-    #[error("the channels {} are each {}: name one", listed(names), dimension.name)]
-    Several {
-        /// Acceleration or length.
-        dimension: Dimension,
-        /// Names of the channels of this dimension.
-        names: Vec<String>,
-    },
-}
-
 impl DropChannels {
     /// The channels of `measurement` that are named, or the only ones of their kind.
-    pub fn find(measurement: &Measurement, names: &ChannelNames) -> Result<DropChannels, DropChannelsError> {
+    pub fn find(measurement: &Measurement, names: &ChannelNames) -> Result<DropChannels, Error> {
         let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
         let acceleration = acceleration.ok_or_else(|| {
-            let names = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
-            DropChannelsError::NoAcceleration { names }
+            let names: Vec<String> = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
+            refusal!("none of the channels {} is an acceleration", listed(&names))
+                .with_hint("--unit gives the unit of channels without one")
         })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
         let mut annotations = measurement.annotations.clone();
@@ -91,7 +66,7 @@ impl DropChannels {
     }
 
     /// The drop that was recorded, as [`reduce`].
-    pub fn reduce(&self, tower: &Tower, reduction: &Reduction) -> Result<Drop, DropError> {
+    pub fn reduce(&self, tower: &Tower, reduction: &Reduction) -> Result<Drop, Error> {
         let mut drop = reduce(&self.acceleration, self.laser.as_ref(), tower, reduction)?;
         drop.warnings.extend(self.filtered_before(drop.class));
         Ok(drop)
@@ -109,7 +84,7 @@ fn sought<'a>(
     measurement: &'a Measurement,
     name: Option<&str>,
     dimension: Dimension,
-) -> Result<Option<&'a MeasuredChannel>, DropChannelsError> {
+) -> Result<Option<&'a MeasuredChannel>, Error> {
     if let Some(name) = name {
         let channel = measurement.channel(name)?;
         channel.quantity(dimension)?;
@@ -120,10 +95,42 @@ fn sought<'a>(
     match found[..] {
         [] => Ok(None),
         [only] => Ok(Some(only)),
-        _ => Err(DropChannelsError::Several {
-            dimension,
-            names: found.iter().map(|channel| channel.name.clone()).collect(),
-        }),
+        _ => {
+            let names: Vec<String> = found.iter().map(|channel| channel.name.clone()).collect();
+            let is_laser = dimension == Length::DIMENSION;
+            let error = refusal!("the channels {} are each {}: name one", listed(&names), dimension.name);
+            Err(error.with_hint(if is_laser { "--laser NAME, or --without-laser" } else { "--column NAME" }))
+        }
+    }
+}
+
+/// Mass of the impactor and height of fall, as far as they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stated {
+    /// kg.
+    pub mass: Option<f64>,
+    /// m.
+    pub height: Option<f64>,
+}
+
+impl Stated {
+    /// What the lines of a `header` state: `mass: 10.72 kg`, `height: 1 m`. A line whose value is `given` otherwise is
+    /// not refused.
+    pub fn of_header(header: &[String], given: Stated) -> Result<Stated, Error> {
+        let parsed = |key: &str, dimension: Dimension, example: &str| {
+            let refused = |error: UnitError| refusal!("its header: {error}; write `{key}: {example}`");
+            annotations::stated(header, key).map(|text| dimension.parse(text).map_err(refused))
+        };
+        let (mass, height) = (parsed("mass", Mass::DIMENSION, "10.72 kg"), parsed("height", Length::DIMENSION, "1 m"));
+        Ok(Stated { mass: unless_given(mass, given.mass)?, height: unless_given(height, given.height)? })
+    }
+}
+
+/// The value of a line, or its fault where nothing takes its place.
+fn unless_given(line: Option<Result<f64, Error>>, given: Option<f64>) -> Result<Option<f64>, Error> {
+    match line.transpose() {
+        Err(_) if given.is_some() => Ok(None),
+        other => other,
     }
 }
 
@@ -180,5 +187,24 @@ mod tests {
         }
         let none = DropChannels::find(&measurement(&[("force", "N")]), &ChannelNames::default()).unwrap_err();
         assert_eq!(none.to_string(), "none of the channels `force` is an acceleration");
+    }
+
+    #[test]
+    fn a_header_states_mass_and_height() {
+        let of = |lines: &[&str], given: Stated| {
+            let header: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+            Stated::of_header(&header, given).map_err(|error| error.to_string())
+        };
+        let none = Stated::default();
+        let both = Stated { mass: Some(10.72), height: Some(1.5) };
+        assert_eq!(of(&["test 7", "Mass: 10.72 kg", "# height: 150 cm"], none), Ok(both));
+        assert_eq!(of(&["massive: 3 kg", "a height of 2 m"], none), Ok(none));
+        let wrong = ["mass: heavy", "height: 3 kg"];
+        assert!(of(&wrong[..1], none).expect_err("no mass").starts_with("its header: expected a mass"));
+        assert_eq!(
+            of(&wrong[1..], none).expect_err("no height"),
+            "its header: expected a length, found \"3 kg\"; write `height: 1 m`"
+        );
+        assert_eq!(of(&wrong, both), Ok(none), "what is given takes the place of both");
     }
 }

@@ -1,4 +1,5 @@
-//! The unknowns of a recording by maximum posterior density, and draws of them (methods.md, equations 46, 50 and 51).
+//! The unknowns of a recording by maximum posterior density, draws of them (methods.md, equations 46, 50 and 51), and the
+//! intervals of its figures from these (section 12).
 
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -6,6 +7,9 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::model::{COUNT, Model, Unknowns, of};
+use super::recording::Recorded;
+use super::result::{Input, Intervals};
+use crate::experiment::absorption::Body;
 use base::cancellation::stop_if_cancelled;
 
 /// Steps of the differences by which residuals are differentiated, of each unknown.
@@ -161,4 +165,185 @@ fn colour(model: &Model<'_>, residuals: &[f64]) -> f64 {
     }
     let squares = bins.iter().map(|[_, sum, weight]| sum * sum / weight).sum::<f64>();
     (squares / bins.len() as f64).max(LEAST_COLOUR)
+}
+
+/// Probability on either side of an interval.
+const TAIL: f64 = 0.025;
+/// Standard deviations of the inverse time constant below which a sensor may hold a constant.
+const MAY_BE_ZERO: f64 = 1.96;
+/// Shortest step over which an impact is integrated for a draw, s.
+const IMPACT_STEP: f64 = 5e-5;
+
+/// Unknowns that each input stands for.
+const INPUTS: [(Input, &[usize]); 7] = [
+    (Input::Offset, &[of::OFFSET, of::DRIFT]),
+    (Input::Coupling, &[of::INVERSE]),
+    (Input::Friction, &[of::FRICTION, of::OF_SPEED, of::GOES_ON]),
+    (Input::Height, &[of::HEIGHT]),
+    (Input::Release, &[of::RELEASE, of::DURATION]),
+    (Input::Onset, &[of::LEVEL, of::EXPONENT, of::BEND]),
+    (Input::Laser, &[of::LASER]),
+];
+
+/// What an impact gives with some unknowns.
+#[derive(Clone, Copy, Debug)]
+struct Impact {
+    contact: f64,
+    speed: f64,
+    travel: f64,
+    rebound: f64,
+    /// Energies over the mass, m²/s²: largest taken from the impactor, and D.
+    absorbed: f64,
+    absorption: f64,
+}
+
+/// The intervals of 95 % of a recording whose model has this fit; none without draws.
+pub(super) fn intervals(
+    recorded: &Recorded,
+    model: &Model<'_>,
+    fit: &Fit,
+    draws: &[Unknowns],
+    body: Body,
+) -> Option<Intervals> {
+    let best = Impact::of(recorded, model, &fit.best, body)?;
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let deviation = recorded.noise * fit.colour.sqrt();
+    let all: Vec<(&Unknowns, Impact)> = draws
+        .iter()
+        .filter_map(|draw| {
+            let impact = Impact::of(recorded, model, draw, body)?;
+            Some((draw, impact.with_noise(deviation, recorded, &mut random)))
+        })
+        .collect();
+    if all.len() < 10 {
+        return None;
+    }
+    let over = |value: &dyn Fn(&Impact) -> f64| ends(all.iter().map(|(_, of)| value(of)).collect(), value(&best));
+    let is_given = model.known.inverse.is_some();
+    let travels: Vec<f64> = all.iter().map(|(_, of)| of.travel).collect();
+    let of_unknown = |place: usize| all.iter().map(|(draw, _)| draw[place]).collect::<Vec<f64>>();
+    let share = |places: &[usize]| {
+        places.iter().map(|place| correlation(&of_unknown(*place), &travels).powi(2)).fold(0.0, f64::max)
+    };
+    let widest = INPUTS.iter().map(|(input, places)| (*input, share(places))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let mass = body.mass;
+    let [times, speeds] = [|of: &Impact| of.contact, |of: &Impact| of.speed]
+        .map(|value| all.iter().map(|(_, of)| value(of)).collect::<Vec<f64>>());
+    let both = covariance(&times, &speeds);
+    Some(Intervals {
+        contact: [[covariance(&times, &times), both], [both, covariance(&speeds, &speeds)]],
+        time_constant: (!is_given).then(|| time_constant(of_unknown(of::INVERSE), fit.best[of::INVERSE])),
+        contact_time: over(&|of| of.contact),
+        impact_speed: over(&|of| of.speed),
+        impact_energy: over(&|of| 0.5 * mass * of.speed * of.speed),
+        displacement: over(&|of| of.travel),
+        rebound_speed: (best.rebound > 0.0).then(|| over(&|of| of.rebound)),
+        absorbed_energy: over(&|of| mass * of.absorbed),
+        energy_absorption: Some(over(&|of| of.absorption)),
+        widest,
+    })
+}
+
+/// The interval of a time constant, s; without an upper end where the inverse may be zero.
+fn time_constant(inverse: Vec<f64>, best: f64) -> [f64; 2] {
+    let may_be_zero = best < MAY_BE_ZERO * covariance(&inverse, &inverse).sqrt();
+    let [low, high] = ends(inverse, best);
+    [1.0 / high, if may_be_zero { f64::INFINITY } else { 1.0 / low }]
+}
+
+/// Ends of the middle 95 % of `values`, at the ranks p (n + 1), that hold the `best` value.
+pub(super) fn ends(mut values: Vec<f64>, best: f64) -> [f64; 2] {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let rank = (share * (values.len() + 1) as f64 - 1.0).clamp(0.0, (values.len() - 1) as f64);
+        let (below, part) = (rank.floor() as usize, rank.fract());
+        let above = (below + 1).min(values.len() - 1);
+        values[below] + part * (values[above] - values[below])
+    };
+    [at(TAIL).min(best), at(1.0 - TAIL).max(best)]
+}
+
+fn covariance(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len() as f64;
+    let [ma, mb] = [a, b].map(|values| values.iter().sum::<f64>() / count);
+    a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>() / (count - 1.0)
+}
+
+/// Zero where one of both does not scatter.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let product = (covariance(a, a) * covariance(b, b)).sqrt();
+    if product > 0.0 { covariance(a, b) / product } else { 0.0 }
+}
+
+impl Impact {
+    /// The reading restored with these unknowns and integrated from contact on (trapezoidal rule); none without samples
+    /// after it.
+    fn of(recorded: &Recorded, model: &Model<'_>, u: &Unknowns, body: Body) -> Option<Impact> {
+        let [contact, speed] = model.contact(u);
+        let (time, values) = (recorded.reading.time(), recorded.reading.values());
+        let step = recorded.step();
+        let count = ((IMPACT_STEP / step) as usize).max(1);
+        let from = time.partition_point(|t| *t < recorded.release.rest_end);
+        let means = time[from..].chunks_exact(count).zip(values[from..].chunks_exact(count)).map(|(t, r)| {
+            let mean = |of: &[f64]| of.iter().sum::<f64>() / count as f64;
+            let t = mean(t);
+            [t, mean(r) - u[of::OFFSET] - u[of::DRIFT] * (t - recorded.start())]
+        });
+        let mass_energy = |v: f64, z: f64| body.energy(v, z) / body.mass;
+        let at_contact = mass_energy(speed, 0.0);
+        // Integral of the reading, of equation 41, and the sample before.
+        let (mut integral, mut before): (f64, Option<[f64; 2]>) = (0.0, None);
+        let mut last: Option<f64> = None;
+        let (mut v, mut z) = (-speed, 0.0_f64);
+        let mut found =
+            Impact { contact, speed, travel: 0.0, rebound: f64::NEG_INFINITY, absorbed: 0.0, absorption: 0.0 };
+        let (mut loading, mut unloading) = ([at_contact; 2], [f64::INFINITY, f64::NEG_INFINITY]);
+        for [t, r] in means {
+            integral += before.map_or(0.0, |[t0, r0]| 0.5 * (r + r0) * (t - t0));
+            let a = r + u[of::INVERSE] * integral;
+            if t > contact {
+                let (h, a0) = match (last, before) {
+                    (Some(a0), Some([t0, _])) if t0 > contact => (t - t0, a0),
+                    (Some(a0), Some([t0, _])) => (t - contact, a0 + (a - a0) * (contact - t0) / (t - t0)),
+                    _ => return None,
+                };
+                let faster = v + 0.5 * h * (a + a0);
+                z += 0.5 * h * (v + faster);
+                v = faster;
+                let energy = mass_energy(v, z);
+                let widened = |span: [f64; 2]| [span[0].min(energy), span[1].max(energy)];
+                if z < found.travel {
+                    // What came before the lowest point is loading.
+                    let before = if unloading[0].is_finite() { unloading } else { [energy; 2] };
+                    loading = widened([loading[0].min(before[0]), loading[1].max(before[1])]);
+                    (unloading, found.travel, found.rebound) = ([energy; 2], z, f64::NEG_INFINITY);
+                } else {
+                    unloading = widened(unloading);
+                    found.rebound = found.rebound.max(v);
+                }
+                found.absorbed = found.absorbed.max(at_contact - energy);
+            }
+            (last, before) = (Some(a), Some([t, r]));
+        }
+        (found.travel < 0.0).then(|| {
+            found.absorption = 1.0 - (unloading[1] - unloading[0]) / (loading[1] - loading[0]);
+            found
+        })
+    }
+
+    /// With the noise of the readings after contact, which the unknowns do not hold: a sum of n samples `step` apart has
+    /// the deviation σ√n of it.
+    fn with_noise(self, deviation: f64, recorded: &Recorded, random: &mut ChaCha8Rng) -> Impact {
+        let down = (recorded.release.peak - self.contact).max(recorded.step());
+        let mut normal = || -> f64 { StandardNormal.sample(random) };
+        let of_speed = deviation * (recorded.step() * 2.0 * down).sqrt() * normal();
+        let of_place = deviation * (recorded.step() * (1.3 * down).powi(3) / 3.0).sqrt() * normal();
+        let relative = (1.0 - self.absorption).max(0.0).sqrt();
+        Impact {
+            travel: self.travel + of_place,
+            rebound: self.rebound + of_speed,
+            absorption: self.absorption - 2.0 * relative * of_speed / self.speed,
+            ..self
+        }
+    }
 }

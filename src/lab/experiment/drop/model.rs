@@ -1,7 +1,7 @@
 //! The model of a whole recording: rest, release, fall and onset of the force, as an accelerometer and a laser read them
 //! (methods.md, equations 40 to 46).
 
-use super::tower::Known;
+use super::Known;
 use crate::experiment::coupling;
 
 /// Number of unknowns.

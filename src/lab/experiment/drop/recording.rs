@@ -1,8 +1,9 @@
 //! A recording whose rest, release and impact are known: what of it the model is fitted to.
 
+use super::Known;
 use super::model::{COUNT, Model, Sample, Unknowns, of};
-use super::release::{Release, ReleaseError};
-use super::tower::Known;
+use super::release::Release;
+use crate::Error;
 use crate::experiment::Warning;
 use crate::signal::Series;
 
@@ -56,7 +57,7 @@ pub(super) struct Recorded {
 
 impl Recorded {
     /// The landmarks of an evenly sampled `reading` (m/s²) under `gravity` (m/s²), beside the recorded `laser` (m).
-    pub(super) fn find(reading: &Series, laser: Option<&Series>, gravity: f64) -> Result<Recorded, ReleaseError> {
+    pub(super) fn find(reading: &Series, laser: Option<&Series>, gravity: f64) -> Result<Recorded, Error> {
         let release = Release::find(reading, gravity)?;
         let Onset { contact, end: onset_end, base, rise } = Onset::of(reading, &release);
         let (laser, held) = laser.map_or_else(Default::default, |laser| moving(laser, [release.flank[0], onset_end]));

@@ -1,24 +1,22 @@
 //! From the readings of the sensors to contact, speed, travel and energies: a recording, a fit of its model, the figures.
 
-use super::clipping::Clipping;
-use super::error::DropError;
-use super::fit::Fit;
-use super::intervals;
+use super::fit::{self, Fit};
+use super::impact::{self, Impact};
 use super::model::{Model, Unknowns, of};
-use super::motion;
-use super::plausibility::{self, Impact};
-use super::ramp::GravityRamp;
+use super::reading::Clipping;
 use super::recording::Recorded;
-use super::release::{Release, ReleaseError};
+use super::release::{GravityRamp, Release};
 use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
-use super::tower::{Class, Correction, Known, Reduction, Tower};
+use super::{Class, Correction, Known, Reduction, Tower};
+use crate::error::{Error, Kind, refusal};
 use crate::experiment::Warning;
 use crate::experiment::absorption::{energy_absorption, film_absorption as film_absorption_by};
 use crate::experiment::coupling;
 use crate::signal::column::Column;
 use crate::signal::filter::{self, ChannelFilter, Standard};
-use crate::signal::resample::{self, ResampleError};
+use crate::signal::resample;
 use crate::signal::{Recording, Series, column, gap};
+use base::number::significant;
 use membrane::engine::GuideFriction;
 
 /// Largest time between samples of a drop, s.
@@ -48,30 +46,40 @@ pub fn reduce(
     laser: Option<&Series>,
     tower: &Tower,
     reduction: &Reduction,
-) -> Result<Drop, DropError> {
+) -> Result<Drop, Error> {
     check(tower, reduction)?;
     let reading = even(acceleration)?;
     let step = resample::common_step(reading.time()).unwrap_or(f64::INFINITY);
     if step > SLOWEST {
-        return Err(DropError::TooSlow { step });
+        let step = significant(step, 6);
+        return Err(refusal!(
+            "acceleration: its samples are {step} s apart, too far for an impact; are the times in milliseconds?"
+        ));
     }
     let (class, of_rate) = class(reduction.class, step)?;
     let recorded = Recorded::find(&reading, laser, tower.body.gravity)?;
     let known = Known::new(tower, reduction, step);
-    let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower)?;
+    let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower, laser.is_some())?;
     let model = recorded.model(&known, tower.body.gravity);
     let [contact, _] = model.contact(&fit.best);
     let released = fit.best[of::RELEASE] + fit.best[of::DURATION];
     if let Some(time) = model.leaves(&fit.best, [released, contact], FALL_BIN, [OFF_FALL, 0.0]) {
-        return Err(DropError::NoFall { time, contact });
+        let before = significant(1e3 * (contact - time), 3);
+        return Err(refusal!(
+            "acceleration: the reading leaves the fall at {time:.4} s, {before} ms before the contact at {contact:.4} s that \
+             the rest of it shows: the impactor touched something there, or height, time constant, mass or column are others"
+        ));
     }
     if let Some(time) = model.leaves(&fit.best, [contact, recorded.onset_end], ONSET_BIN, [OFF_FALL, OFF_ONSET]) {
-        return Err(DropError::NoOnset { time, contact });
+        return Err(refusal!(
+            "acceleration: from the contact at {contact:.4} s on no force that grows with the travel explains the reading at \
+             {time:.4} s: the impactor met something else first, or twice, or height, time constant, mass or column are others"
+        ));
     }
     finish(&recorded, &model, &fit, tower, reduction, class, [of_rate, disagreement])
 }
 
-fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
+fn check(tower: &Tower, reduction: &Reduction) -> Result<(), Error> {
     let mut values = vec![("mass", Some(tower.body.mass)), ("gravity", Some(tower.body.gravity))];
     values.extend([("height", tower.height), ("impact speed", reduction.speed)]);
     values.push(("error of the height", reduction.height_error));
@@ -81,33 +89,36 @@ fn check(tower: &Tower, reduction: &Reduction) -> Result<(), DropError> {
     }
     let values = values.into_iter().filter_map(|(what, value)| Some((what, value?)));
     let wrong = values.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0 || value.is_infinite());
-    wrong.map_or(Ok(()), |(what, value)| Err(DropError::NotPositive { what, value }))?;
+    let refused =
+        |(what, value): (&str, f64)| refusal!("the {what} is {}, but must be positive", significant(value, 6));
+    wrong.map_or(Ok(()), |wrong| Err(refused(wrong)))?;
     let is_known = tower.height.is_some() || reduction.speed.is_some() || reduction.contact_time.is_some();
-    is_known.then_some(()).ok_or(DropError::NothingKnown)
+    is_known.then_some(()).ok_or_else(|| refusal!("neither height, impact speed nor time of contact is known"))
 }
 
 /// The reading on equal steps.
-pub(super) fn even(acceleration: &Series) -> Result<Series, DropError> {
-    if let Some(gap) = gap::first(acceleration) {
-        return Err(DropError::NotMeasured(gap));
-    }
+pub(super) fn even(acceleration: &Series) -> Result<Series, Error> {
+    gap::check(acceleration).map_err(|gap| Error::from(gap).about("acceleration"))?;
     let count = acceleration.len();
     if count < 2 {
-        return Err(ResampleError::TooShort { count }.into());
+        return Err(resample::too_short(count).about("acceleration"));
     }
     if resample::common_step(acceleration.time()).is_some() {
         return Ok(acceleration.clone());
     }
     // A few times that are written twice or left out do not change the median.
-    Ok(resample::uniform(acceleration, gap::usual_step(acceleration.time()))?)
+    resample::uniform(acceleration, gap::usual_step(acceleration.time())).map_err(|error| error.about("acceleration"))
 }
 
 /// The class for samples `step` (s) apart, and the note that the rate allows no higher one.
-fn class(class: Class, step: f64) -> Result<(Option<f64>, Option<Warning>), DropError> {
+fn class(class: Class, step: f64) -> Result<(Option<f64>, Option<Warning>), Error> {
     let allowed = |class: f64| ChannelFilter::new(class, step, Standard::Iso6487).map(|_| class);
     match class {
         Class::None => Ok((None, None)),
-        Class::Given(class) => Ok((Some(allowed(class)?), None)),
+        Class::Given(class) => {
+            let class = allowed(class).map_err(|error| error.about("acceleration"))?;
+            Ok((Some(class), None))
+        }
         Class::OfRate => {
             let class = CLASSES.into_iter().find(|class| allowed(*class).is_ok());
             let is_lower = class != Some(CLASSES[0]);
@@ -126,9 +137,16 @@ struct Explained {
 
 /// Fits the recording with all that is known; where that contradicts it, without the height or the laser if both are
 /// there.
-fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained, DropError> {
+fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) -> Result<Explained, Error> {
     let gravity = tower.body.gravity;
-    let no_fit = || DropError::NoFit { from: recorded.start(), to: recorded.onset_end };
+    let no_fit = || {
+        let (from, to) = (recorded.start(), recorded.onset_end);
+        let error = refusal!(
+            "acceleration: no rest, release, fall and impact explain the reading between {from:.4} s and {to:.4} s; check \
+             column and unit"
+        );
+        if sees_laser { error.with_hint("leave out the laser: --without-laser") } else { error }
+    };
     let fit = |recorded: &Recorded, known: &Known| {
         Fit::find(&recorded.model(known, gravity), &recorded.first_guess(known, gravity))
     };
@@ -177,7 +195,16 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower) -> Result<Explained,
             Ok(Explained { known: unknown, recorded, fit: free, disagreement })
         }
         Some((what, unit, found, deviation, stated)) => {
-            Err(DropError::Contradicts { what, unit, found, error: 2.0 * deviation, stated })
+            let [found, error, stated] =
+                [(found, 4), (2.0 * deviation, 2), (stated, 6)].map(|(value, digits)| significant(value, digits));
+            Err(refusal!(
+                "acceleration: the fall that was recorded has {what} {found} ± {error} {unit}, not {stated} {unit}; check the \
+                 {what}, the column and its unit"
+            )
+            .with_hint(
+                "a height is measured from the impactor's lowest point to the film; --height \"1 m +- 5 mm\" allows for an \
+                 error",
+            ))
         }
     }
 }
@@ -207,7 +234,7 @@ fn finish(
     reduction: &Reduction,
     class: Option<f64>,
     reports: [Option<Warning>; 2],
-) -> Result<Drop, DropError> {
+) -> Result<Drop, Error> {
     let Tower { body, .. } = *tower;
     let best = &fit.best;
     let [time, speed] = model.contact(best);
@@ -228,10 +255,12 @@ fn finish(
         }
     };
     let filtered = match class {
-        Some(class) => filter::channel(&acceleration, class, Standard::Iso6487)?,
+        Some(class) => {
+            filter::channel(&acceleration, class, Standard::Iso6487).map_err(|error| error.about("acceleration"))?
+        }
         None => acceleration.clone(),
     };
-    let signals = motion::signals(&acceleration, &filtered, &contact, body)?;
+    let signals = impact::signals(&acceleration, &filtered, &contact, body)?;
     let channel = |column: Column| signals.channel(column.name).unwrap_or_default();
     let [velocity, displacement] = [channel(column::VELOCITY), channel(column::DISPLACEMENT)];
     // A peak that is cut off is missing in every later speed, and so in the energy after the rebound.
@@ -239,7 +268,7 @@ fn finish(
     let absorption = energy_absorption(body, velocity, displacement);
     let is_whole = clipping.is_none();
     let draws = fit.draws(model);
-    let intervals = ramp.is_none().then(|| intervals::of(recorded, model, fit, &draws, body)).flatten();
+    let intervals = ramp.is_none().then(|| fit::intervals(recorded, model, fit, &draws, body)).flatten();
     // The figures are of the whole reading, the intervals of its means; what there is no figure of has none.
     let rebounds = absorption.ok().filter(|_| is_whole);
     let intervals = intervals.map(|all| Intervals {
@@ -266,7 +295,7 @@ fn finish(
         energy_absorption: rebounds,
         absorption_interval: intervals.as_ref().and_then(|all| all.energy_absorption),
     };
-    let doubts = plausibility::warnings(&impact, &recorded.reading, recorded.release.rest_end);
+    let doubts = impact::warnings(&impact, &recorded.reading, recorded.release.rest_end);
     let warnings = [
         friction.faster(tower),
         without_laser(speed_from),
@@ -291,7 +320,7 @@ fn finish(
         class,
         energy_absorption: rebounds,
         film_absorption,
-        total_energy_drift: motion::drift(channel(column::TOTAL_ENERGY)),
+        total_energy_drift: impact::drift(channel(column::TOTAL_ENERGY)),
         clipped_from: clipping.map(|clipping| clipping.start - time),
         signals,
         warnings,
@@ -317,7 +346,7 @@ impl Friction {
     const GROWS: f64 = 0.05;
 
     fn of(best: &Unknowns, draws: &[Unknowns], model: &Model<'_>, weight: f64) -> Friction {
-        let ends = |of: usize| intervals::ends(draws.iter().map(|draw| draw[of]).collect(), best[of]);
+        let ends = |of: usize| fit::ends(draws.iter().map(|draw| draw[of]).collect(), best[of]);
         let (friction, share) = (best[of::FRICTION], best[of::OF_SPEED]);
         let grows = !draws.is_empty() && ends(of::OF_SPEED)[0] > Friction::GROWS && ends(of::FRICTION)[0] > 0.0;
         let guide = match grows {
@@ -371,16 +400,16 @@ fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
 
 impl Landmarks {
     /// What an `acceleration` (m/s²) shows under `gravity` (m/s²) although its reduction failed with this `error`.
-    pub fn of_failed(acceleration: &Series, gravity: f64, error: &DropError) -> Landmarks {
+    pub fn of_failed(acceleration: &Series, gravity: f64, error: &Error) -> Landmarks {
         let found = even(acceleration).ok().and_then(|reading| Release::find(&reading, gravity).ok());
         let found = found.map_or_else(Landmarks::default, |release| Landmarks {
             release: Some(release.flank[0]),
             impact: Some(release.blow),
             ..Landmarks::default()
         });
-        match *error {
-            DropError::Release(ReleaseError::NoRelease { blow, .. }) => Landmarks { impact: Some(blow), ..found },
-            DropError::Release(ReleaseError::NoRest { release, .. }) => Landmarks { release: Some(release), ..found },
+        match *error.kind() {
+            Kind::NoRelease(impact) => Landmarks { impact: Some(impact), ..found },
+            Kind::NoRest(release) => Landmarks { release: Some(release), ..found },
             _ => found,
         }
     }

@@ -1,10 +1,12 @@
-//! The rest before a drop, the release, and the impact that ends the fall.
+//! The rest before a drop, the release, and the impact that ends the fall; the gravity ramp of the release.
+//!
+//! The ramp is the parabolic decrease of the reading during the release, mirrored and added after contact (Polymers 2021,
+//! 13, 1537, section 3.2). It replaces gravity in the reading of an accelerometer that reads zero in free fall. It repeats
+//! the shape of the release and neglects the shift of the sensor's zero in the impact, −(1/τ)∫p dt.
 
-use thiserror::Error;
-
+use crate::error::{Error, Kind, refusal};
 use crate::experiment::fit::least_squares;
-use crate::signal::Series;
-use crate::signal::gap::{self, Gap};
+use crate::signal::{Series, gap};
 
 /// Length of the means in which landmarks are sought, s; figures come from the reading itself. A channel filter would put
 /// a fall before a short peak where there is none.
@@ -48,77 +50,9 @@ pub struct Release {
     pub peak: f64,
 }
 
-/// Why a reading is not that of a drop.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ReleaseError {
-    /// The reading has a gap.
-    #[error("acceleration: {0}")]
-    NotMeasured(Gap),
-    /// The reading is not at rest when the recording begins.
-    #[error(
-        "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, where the impactor should be at rest or fall",
-        1e3 * within
-    )]
-    BeginsAfterContact {
-        /// Change of the reading, m/s²: more than a release makes.
-        change: f64,
-        /// Time from the first sample on in which it changes so, s.
-        within: f64,
-    },
-    /// The impact is the most negative reading.
-    #[error(
-        "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks reversed"
-    )]
-    UpsideDown {
-        /// Depth of the impact below the mean of the first samples, m/s².
-        lowest: f64,
-    },
-    /// The depth of the fall is that of another unit.
-    #[error(
-        "acceleration: the reading falls by {depth:.2} m/s² after the release, where a fall has 9.81: it looks as if it were in \
-         {is} and was read in {read}"
-    )]
-    OtherUnit {
-        /// m/s².
-        depth: f64,
-        /// The unit that it seems to be in.
-        is: &'static str,
-        /// The unit that it was read in.
-        read: &'static str,
-    },
-    /// No reading rises by 1 g.
-    #[error(
-        "acceleration: there is no contact: the largest reading is {largest:.2} m/s² above the first, less than 1 g"
-    )]
-    NoContact {
-        /// Largest rise above the mean of the first samples, m/s².
-        largest: f64,
-    },
-    /// The reading does not fall as a release asks for.
-    #[error(
-        "acceleration: there is no release before the impact at {blow:.4} s: the reading falls by {fall:.2} m/s² at most"
-    )]
-    NoRelease {
-        /// Time at which the reading has risen by one gravity in the impact, s.
-        blow: f64,
-        /// Largest fall below the mean of the first samples before the impact, m/s².
-        fall: f64,
-    },
-    /// The rest before the release is too short.
-    #[error(
-        "acceleration: {rest:.4} s of rest before the release at {release:.4} s, at least {SHORTEST_REST} s are needed for the sensor's zero"
-    )]
-    NoRest {
-        /// Duration of the rest, s.
-        rest: f64,
-        /// Time at which the reading begins to fall, s.
-        release: f64,
-    },
-}
-
 impl Release {
     /// Finds the landmarks in a complete `reading` (m/s²) on equal steps, under `gravity` (m/s²).
-    pub fn find(reading: &Series, gravity: f64) -> Result<Release, ReleaseError> {
+    pub fn find(reading: &Series, gravity: f64) -> Result<Release, Error> {
         let smooth = smoothed(reading)?;
         let (time, values) = (smooth.time(), smooth.values());
         let level = level(&smooth);
@@ -128,18 +62,24 @@ impl Release {
         // A release changes the reading by one gravity at most.
         let change = change(&smooth);
         if change > LEAVES * gravity {
-            return Err(ReleaseError::BeginsAfterContact { change, within: SHORTEST_REST });
+            return Err(begins_late(change, SHORTEST_REST));
         }
         if lowest > UPSIDE_DOWN * largest.max(gravity) {
             let leaves = smooth.samples().find(|[_, v]| (v - level).abs() > LEAVES * gravity);
             let within = leaves.map_or(f64::INFINITY, |[t, _]| t - time[0]);
             if within < SHORTEST_FALL {
-                return Err(ReleaseError::BeginsAfterContact { change: LEAVES * gravity, within });
+                return Err(begins_late(LEAVES * gravity, within));
             }
-            return Err(ReleaseError::UpsideDown { lowest });
+            return Err(refusal!(
+                "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks \
+                 reversed"
+            )
+            .with_hint("write the acceleration with the other sign into the table"));
         }
         if largest.is_nan() || largest < BLOW * gravity {
-            return Err(ReleaseError::NoContact { largest });
+            return Err(refusal!(
+                "acceleration: there is no contact: the largest reading is {largest:.2} m/s² above the first, less than 1 g"
+            ));
         }
         let first_peak = first_peak(values, level, largest, BLOW * gravity);
         let blow = values[..first_peak].iter().rposition(|v| v - level < BLOW * gravity).unwrap_or(0);
@@ -147,11 +87,21 @@ impl Release {
         let units = [("m/s²", "g"), ("g", "m/s²")];
         for ([low, high], (is, read)) in OF_OTHER_UNIT.into_iter().zip(units) {
             if (low..=high).contains(&(depth / gravity)) {
-                return Err(ReleaseError::OtherUnit { depth, is, read });
+                return Err(refusal!(
+                    "acceleration: the reading falls by {depth:.2} m/s² after the release, where a fall has 9.81: it looks \
+                     as if it were in {is} and was read in {read}"
+                )
+                .with_hint(format!("--unit {is}")));
             }
         }
         if depth < FALL * gravity {
-            return Err(ReleaseError::NoRelease { blow: time[blow], fall: depth });
+            let impact = time[blow];
+            return Err(refusal!(
+                "acceleration: there is no release before the impact at {impact:.4} s: the reading falls by {depth:.2} m/s² \
+                 at most"
+            )
+            .with_hint(BEGINS_WITH_REST)
+            .with_kind(Kind::NoRelease(impact)));
         }
         let fallen = |share: f64| values.iter().position(|v| level - v >= share * depth).unwrap_or(0);
         let bottom = fallen(0.95);
@@ -160,7 +110,13 @@ impl Release {
         let rest = reading.window([f64::NEG_INFINITY, rest_end]);
         let length = rest_end - time[0];
         if rest.len() < 2 || length < SHORTEST_REST {
-            return Err(ReleaseError::NoRest { rest: length.max(0.0), release: time[top] });
+            let (rest, release) = (length.max(0.0), time[top]);
+            return Err(refusal!(
+                "acceleration: {rest:.4} s of rest before the release at {release:.4} s, at least {SHORTEST_REST} s are \
+                 needed for the sensor's zero"
+            )
+            .with_hint(BEGINS_WITH_REST)
+            .with_kind(Kind::NoRest(release)));
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
         let centred = rest.samples().map(|[t, r]| ([1.0, (t - time[0]) / length - 0.5], r - offset));
@@ -172,11 +128,22 @@ impl Release {
     }
 }
 
+/// What helps where the beginning of a drop is missing.
+const BEGINS_WITH_REST: &str = "the recording must begin with the rest before the release";
+
+/// The refusal of a reading that changes by more than a release makes within a time (s) of its first sample.
+fn begins_late(change: f64, within: f64) -> Error {
+    refusal!(
+        "acceleration: the recording begins after contact: the reading changes by {change:.1} m/s² in the first {:.0} ms, \
+         where the impactor should be at rest or fall",
+        1e3 * within
+    )
+    .with_hint(BEGINS_WITH_REST)
+}
+
 /// Means over [`SMOOTHED`] about each sample.
-fn smoothed(reading: &Series) -> Result<Series, ReleaseError> {
-    if let Some(gap) = gap::first(reading) {
-        return Err(ReleaseError::NotMeasured(gap));
-    }
+fn smoothed(reading: &Series) -> Result<Series, Error> {
+    gap::check(reading).map_err(|gap| Error::from(gap).about("acceleration"))?;
     let values = reading.values();
     let step = reading.time().windows(2).next().map_or(f64::INFINITY, |pair| pair[1] - pair[0]);
     let half = (0.5 * SMOOTHED / step) as usize;
@@ -227,6 +194,56 @@ fn head(smooth: &Series) -> Series {
     smooth.window([first, first + SHORTEST_REST])
 }
 
+/// The paper adds the ramp over the first 50 ms after contact.
+pub const ADDED_OVER: f64 = 0.05;
+
+/// A parabola that leaves zero, r = −depth (2s − s²) with s = (t − start)/duration, and ends at its vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GravityRamp {
+    /// When the reading leaves zero, s.
+    pub start: f64,
+    /// s.
+    pub duration: f64,
+    /// m/s², positive.
+    pub depth: f64,
+}
+
+impl GravityRamp {
+    /// Fits the parabola to the flank of a `reading` (offset removed) between `from` and `to`, s.
+    pub fn fit(reading: &Series, [from, to]: [f64; 2]) -> Result<GravityRamp, Error> {
+        let refused = |what: &str| refusal!("acceleration: the reading between {from:.4} s and {to:.4} s {what}");
+        let flank = reading.window([from, to]);
+        // Time in lengths of the flank: columns of one magnitude.
+        let length = to - from;
+        let rows = flank.samples().map(|[t, r]| ((t - from) / length, r)).map(|(u, r)| ([1.0, u, u * u], r));
+        let rows: Vec<_> = rows.collect();
+        let ([c, b, a], _) =
+            least_squares(rows.iter().copied()).ok_or_else(|| refused("has too few samples for the gravity ramp"))?;
+        let vertex = -b / (2.0 * a);
+        let depth = a * vertex * vertex - c;
+        // Only a flank that bends upward has its vertex at the bottom, where the magnet lets go.
+        if a.is_nan() || a <= 0.0 || depth <= 0.0 || vertex <= 0.0 {
+            return Err(refused("does not flatten out as a gravity ramp does"));
+        }
+        // The parabola in the form a (u − vertex)² − depth, which is zero a width before its vertex.
+        let width = (depth / a).sqrt();
+        Ok(GravityRamp { start: from + length * (vertex - width), duration: length * width, depth })
+    }
+
+    /// Reading of the release at time `t` (s): zero before it, −depth from its vertex on.
+    pub fn reading_at(&self, t: f64) -> f64 {
+        let s = ((t - self.start) / self.duration).clamp(0.0, 1.0);
+        -self.depth * (2.0 * s - s * s)
+    }
+
+    /// Correction at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
+    /// mirrored, back to zero after its duration or after [`ADDED_OVER`].
+    pub fn mirrored(&self, t: f64, contact: f64) -> f64 {
+        let since = (t - contact).max(0.0);
+        if since > ADDED_OVER { 0.0 } else { self.reading_at(self.start + self.duration - since) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,17 +277,58 @@ mod tests {
     #[test]
     fn what_is_not_a_drop_is_refused() {
         let whole = drop(0.0);
-        let fall_only = whole.window([0.0, 0.49]);
-        assert!(matches!(Release::find(&fall_only, 9.81), Err(ReleaseError::NoContact { .. })));
-        let impact_only = whole.window([0.42, 0.6]);
-        assert!(matches!(Release::find(&impact_only, 9.81), Err(ReleaseError::NoRelease { .. })));
-        for begin in [0.502, 0.52, 0.54, 0.56] {
-            let late = whole.window([begin, 0.6]);
-            assert!(matches!(Release::find(&late, 9.81), Err(ReleaseError::BeginsAfterContact { .. })), "{begin}");
+        for (window, expected) in [
+            ([0.0, 0.49], "there is no contact"),
+            ([0.42, 0.6], "there is no release before the impact at"),
+            ([0.502, 0.6], "the recording begins after contact"),
+            ([0.52, 0.6], "the recording begins after contact"),
+            ([0.54, 0.6], "the recording begins after contact"),
+            ([0.56, 0.6], "the recording begins after contact"),
+            ([0.09, 0.6], "s of rest before the release at"),
+        ] {
+            let error = Release::find(&whole.window(window), 9.81).unwrap_err().to_string();
+            assert!(error.starts_with("acceleration: ") && error.contains(expected), "{window:?}: {error}");
         }
-        let no_rest = whole.window([0.09, 0.6]);
-        assert!(matches!(Release::find(&no_rest, 9.81), Err(ReleaseError::NoRest { .. })));
         let gap = whole.with_values(whole.samples().map(|[t, v]| if t == 0.2 { f64::NAN } else { v }).collect());
         assert_eq!(Release::find(&gap, 9.81).unwrap_err().to_string(), "acceleration: nothing was measured at 0.2 s");
+    }
+
+    const RAMP: GravityRamp = GravityRamp { start: 0.1503, duration: 0.032, depth: 8.7 };
+
+    fn reading() -> Series {
+        let time: Vec<f64> = (0..4000).map(|i| 1e-4 * f64::from(i)).collect();
+        let values: Vec<f64> = time.iter().map(|t| RAMP.reading_at(*t)).collect();
+        Series::new(time, values)
+    }
+
+    #[test]
+    fn a_parabola_is_fitted_exactly() {
+        let found = GravityRamp::fit(&reading(), [0.152, 0.178]).unwrap();
+        assert!((found.start - RAMP.start).abs() < 1e-9);
+        assert!((found.duration - RAMP.duration).abs() < 1e-9);
+        assert!((found.depth - RAMP.depth).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_mirror_runs_from_minus_the_depth_to_zero() {
+        let contact = 0.6;
+        assert_eq!(RAMP.mirrored(0.5, contact), -8.7);
+        assert_eq!(RAMP.mirrored(contact, contact), -8.7);
+        for share in [0.25, 0.5, 0.75] {
+            let mirrored = RAMP.mirrored(contact + share * RAMP.duration, contact);
+            assert!((mirrored - RAMP.reading_at(RAMP.start + (1.0 - share) * RAMP.duration)).abs() < 1e-9);
+        }
+        assert!(RAMP.mirrored(contact + RAMP.duration, contact).abs() < 1e-9);
+        let slow = GravityRamp { duration: 0.2, ..RAMP };
+        assert_eq!(slow.mirrored(contact + 0.0501, contact), 0.0);
+    }
+
+    #[test]
+    fn a_reading_without_vertex_is_not_a_ramp() {
+        let falling = reading().with_values(reading().samples().map(|[t, _]| -100.0 * t * t).collect());
+        for (flank, expected) in [([0.1, 0.2], "does not flatten out"), ([0.9, 0.95], "has too few samples")] {
+            let error = GravityRamp::fit(&falling, flank).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
     }
 }

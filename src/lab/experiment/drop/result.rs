@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::ramp::GravityRamp;
-use super::release::Release;
+use super::release::{GravityRamp, Release};
 use crate::experiment::Warning;
 use crate::signal::{Recording, Series, column, integrate};
 use base::number::clean_time;

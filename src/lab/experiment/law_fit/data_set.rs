@@ -1,8 +1,7 @@
 //! Measured nominal stresses over stretches.
 
-use thiserror::Error;
-
 use super::test_kind::TestKind;
+use crate::error::{Error, refusal};
 use membrane::material::Tension;
 
 /// The measured stresses of one test.
@@ -39,61 +38,13 @@ pub struct BiaxialPoint {
 /// Largest stretch that is taken for one: the softest rubbers break at some 10.
 const LARGEST_STRETCH: f64 = 100.0;
 
-/// Why measured numbers are no test.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum DataError {
-    /// There are too few rows.
-    #[error("{found} measured points: a test has two at least")]
-    TooFew {
-        /// Number of rows.
-        found: usize,
-    },
-    /// A number is not finite.
-    #[error("row {row} has no number for stretch or stress")]
-    NotFinite {
-        /// Row, counted from one.
-        row: usize,
-    },
-    /// A stretch is not positive.
-    #[error("the stretch {stretch} of row {row} is not above zero")]
-    Stretch {
-        /// As measured.
-        stretch: f64,
-        /// Row, counted from one.
-        row: usize,
-    },
-    /// A stretch is larger than that of any film.
-    #[error("the stretch {stretch} of row {row} is larger than {LARGEST_STRETCH}, that of any film")]
-    LargeStretch {
-        /// As measured.
-        stretch: f64,
-        /// Row, counted from one.
-        row: usize,
-    },
-    /// All stretches are one.
-    #[error("no stretch differs from 1")]
-    AtRest,
-    /// All stresses are zero.
-    #[error("no stress differs from 0")]
-    NoStress,
-    /// All stresses are equal: they have no scatter that a law could explain (R²).
-    #[error("all stresses are {stress} Pa: a test shows how stress changes with stretch")]
-    EqualStresses {
-        /// Pa.
-        stress: f64,
-    },
-    /// The weight is negative.
-    #[error("expected a weight that is zero or above, found {0}")]
-    Weight(f64),
-}
-
 impl DataSet {
     /// The test `name` with the weight 1.
     ///
     /// # Errors
     /// Fewer than two points, numbers that are not finite, a stretch that is not positive, nothing but rest, or stresses
     /// that are all equal.
-    pub fn new(name: impl Into<String>, measured: Measured) -> Result<DataSet, DataError> {
+    pub fn new(name: impl Into<String>, measured: Measured) -> Result<DataSet, Error> {
         measured.check()?;
         Ok(DataSet { name: name.into(), measured, weight: 1.0, is_virtual: false })
     }
@@ -102,11 +53,11 @@ impl DataSet {
     ///
     /// # Errors
     /// A weight below zero or not finite.
-    pub fn with_weight(self, weight: f64) -> Result<DataSet, DataError> {
+    pub fn with_weight(self, weight: f64) -> Result<DataSet, Error> {
         if weight.is_finite() && weight >= 0.0 {
             Ok(DataSet { weight, ..self })
         } else {
-            Err(DataError::Weight(weight))
+            Err(refusal!("expected a weight that is zero or above, found {weight}"))
         }
     }
 
@@ -149,31 +100,37 @@ impl Measured {
         self.len() == 0
     }
 
-    fn check(&self) -> Result<(), DataError> {
+    fn check(&self) -> Result<(), Error> {
         if self.len() < 2 {
-            return Err(DataError::TooFew { found: self.len() });
+            return Err(refusal!("{} measured points: a test has two at least", self.len()));
         }
         let (stretches, stresses) = (self.stretches(), self.stresses());
         let a_point = stresses.len() / self.len();
         for (place, (stretch, stress)) in stretches.iter().zip(&stresses).enumerate() {
             let row = place / a_point + 1;
             if !(stretch.is_finite() && stress.is_finite()) {
-                return Err(DataError::NotFinite { row });
+                return Err(refusal!("row {row} has no number for stretch or stress"));
             }
             if *stretch <= 0.0 {
-                return Err(DataError::Stretch { stretch: *stretch, row });
+                return Err(refusal!("the stretch {stretch} of row {row} is not above zero"));
             }
             if *stretch > LARGEST_STRETCH {
-                return Err(DataError::LargeStretch { stretch: *stretch, row });
+                return Err(refusal!(
+                    "the stretch {stretch} of row {row} is larger than {LARGEST_STRETCH}, that of any film"
+                ));
             }
         }
         if stretches.iter().all(|stretch| *stretch == 1.0) {
-            return Err(DataError::AtRest);
+            return Err(refusal!("no stretch differs from 1"));
         }
         if stresses.iter().any(|stress| *stress != stresses[0]) {
             return Ok(());
         }
-        Err(if stresses[0] == 0.0 { DataError::NoStress } else { DataError::EqualStresses { stress: stresses[0] } })
+        // They have no scatter that a law could explain (R²).
+        Err(match stresses[0] {
+            0.0 => refusal!("no stress differs from 0"),
+            stress => refusal!("all stresses are {stress} Pa: a test shows how stress changes with stretch"),
+        })
     }
 }
 

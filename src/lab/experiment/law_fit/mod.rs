@@ -10,10 +10,10 @@ mod result;
 mod test_kind;
 mod warning;
 
-pub use data_set::{BiaxialPoint, DataError, DataSet, Measured, range};
+pub use data_set::{BiaxialPoint, DataSet, Measured, range};
 pub use hyperelastic::fit_law;
-pub use options::{FitError, FitOptions, Weighting, WeightingError};
-pub use reading::{StressFault, StressReader, StressReadingError};
+pub use options::{FitOptions, Weighting};
+pub use reading::StressReader;
 pub use result::{Coefficient, LawFit, Quality, TestFit};
-pub use test_kind::{TestKind, TestKindError};
+pub use test_kind::TestKind;
 pub use warning::{CODES, Warning};

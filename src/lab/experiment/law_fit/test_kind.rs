@@ -3,8 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use thiserror::Error;
-
+use crate::error::{Error, refusal};
 use membrane::material::Tension;
 
 /// The kind of a test.
@@ -24,45 +23,10 @@ const WORDS: [(TestKind, &[&str]); 4] = [
     (TestKind::Biaxial, &["biaxial", "bt", "biaxial tension"]),
 ];
 
-/// Why the kind of a test is not known.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum TestKindError {
-    /// The word is none of a kind.
-    #[error("`{word}` is no kind of test: expected uniaxial, equibiaxial, plane or biaxial")]
-    Unknown {
-        /// As it was written.
-        word: String,
-    },
-    /// Neither header nor name state it.
-    #[error("the kind of test is not known")]
-    NotStated,
-    /// Header and name state different kinds.
-    #[error("its name states {name}, its header {header}")]
-    Contradiction {
-        /// Of the name.
-        name: TestKind,
-        /// Of the header.
-        header: TestKind,
-    },
-}
-
-impl TestKindError {
-    /// The remedy.
-    pub fn hint(&self) -> &'static str {
-        match self {
-            TestKindError::Unknown { .. } => "plane tension is also called pure shear; short: ut, et, ps, biaxial",
-            TestKindError::NotStated => {
-                "write `# test: uniaxial` into its header, name it like treloar-ut.csv, or give --test"
-            }
-            TestKindError::Contradiction { .. } => "correct one of them, or give --test",
-        }
-    }
-}
-
 impl TestKind {
     /// The kind of a file: what is `given`, or else the line `test: uniaxial` of its header or the last word of its
     /// name (`treloar-ut`), which must agree.
-    pub fn of_file(name: &str, header: &[String], given: Option<TestKind>) -> Result<TestKind, TestKindError> {
+    pub fn of_file(name: &str, header: &[String], given: Option<TestKind>) -> Result<TestKind, Error> {
         if let Some(given) = given {
             return Ok(given);
         }
@@ -71,8 +35,14 @@ impl TestKind {
         let header: Option<TestKind> = stated.next().transpose()?;
         let last = name.rsplit(['-', '_', ' ']).next().unwrap_or_default();
         match (named(last), header) {
-            (Some(name), Some(header)) if name != header => Err(TestKindError::Contradiction { name, header }),
-            (name, header) => header.or(name).ok_or(TestKindError::NotStated),
+            (Some(name), Some(header)) if name != header => {
+                let error = refusal!("its name states {name}, its header {header}");
+                Err(error.with_hint("correct one of them, or give --test"))
+            }
+            (name, header) => header.or(name).ok_or_else(|| {
+                refusal!("the kind of test is not known")
+                    .with_hint("write `# test: uniaxial` into its header, name it like treloar-ut.csv, or give --test")
+            }),
         }
     }
 }
@@ -83,10 +53,13 @@ fn named(word: &str) -> Option<TestKind> {
 }
 
 impl FromStr for TestKind {
-    type Err = TestKindError;
+    type Err = Error;
 
-    fn from_str(word: &str) -> Result<TestKind, TestKindError> {
-        named(word).ok_or_else(|| TestKindError::Unknown { word: word.trim().into() })
+    fn from_str(word: &str) -> Result<TestKind, Error> {
+        named(word).ok_or_else(|| {
+            refusal!("`{}` is no kind of test: expected uniaxial, equibiaxial, plane or biaxial", word.trim())
+                .with_hint("plane tension is also called pure shear; short: ut, et, ps, biaxial")
+        })
     }
 }
 
@@ -113,7 +86,7 @@ mod tests {
             ("kawabata-biaxial", &["measured 1981"], "biaxial tension"),
         ] {
             let header: Vec<String> = header.iter().map(|line| (*line).to_owned()).collect();
-            assert_eq!(TestKind::of_file(name, &header, None).map(|kind| kind.to_string()).as_deref(), Ok(expected));
+            assert_eq!(TestKind::of_file(name, &header, None).map(|kind| kind.to_string()), Ok(expected.to_owned()));
         }
     }
 

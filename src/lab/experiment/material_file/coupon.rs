@@ -2,11 +2,10 @@
 
 use std::fmt::Write;
 
-use thiserror::Error;
-
+use crate::error::{Error, refusal};
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
-use crate::experiment::coupon::{Coupon, CurveError, Direction, DirectionMeans, Fibres, Reduction, ShearMethod};
+use crate::experiment::coupon::{Coupon, Direction, DirectionMeans, Fibres, Reduction, ShearMethod, too_short};
 use crate::signal::Annotations;
 use base::number::{rounded, significant};
 use membrane::material;
@@ -67,42 +66,12 @@ pub struct Texts {
     pub shear: String,
 }
 
-/// Why coupons give no material.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum CouponMaterialError {
-    /// A direction was not measured.
-    #[error("a material needs coupons of MD, TD and D3 (for shear), and there is none of {direction}")]
-    Missing {
-        /// The direction.
-        direction: Direction,
-    },
-    /// A curve is not monotonic.
-    #[error("{direction}: stress falls between the points {}: the curve of a material must not fall", shown(points))]
-    Falls {
-        /// The direction.
-        direction: Direction,
-        /// Strain and stress (Pa) of the points between which the stress falls.
-        points: [[f64; 2]; 2],
-    },
-    /// The density (kg/m³) is not positive.
-    #[error("expected a density above zero, found {0} kg/m3")]
-    Density(f64),
-    /// The shear curve cannot be computed.
-    #[error("shear: {0}")]
-    Shear(#[from] CurveError),
-    /// The shear curve is not monotonic.
-    #[error("shear: stress falls at the angle {angle} rad: the curve of a material must not fall")]
-    ShearFalls {
-        /// Shear angle from which the stress falls, rad.
-        angle: f64,
-    },
-}
-
-fn shown(points: &[[f64; 2]; 2]) -> String {
-    let point = |[strain, stress]: [f64; 2]| {
+/// The refusal of a curve whose stress (Pa) falls between two points.
+fn falls(direction: Direction, points: [[f64; 2]; 2]) -> Error {
+    let [from, to] = points.map(|[strain, stress]| {
         format!("({}, {} MPa)", significant(strain, DIGITS), significant(stress * 1e-6, DIGITS))
-    };
-    format!("{} and {}", point(points[0]), point(points[1]))
+    });
+    refusal!("{direction}: stress falls between the points {from} and {to}: the curve of a material must not fall")
 }
 
 impl CouponMaterial<'_> {
@@ -111,7 +80,7 @@ impl CouponMaterial<'_> {
     /// The curves of MD and TD are the yield points of the mean curve, or else that curve itself, and the mean break
     /// elongation with the mean stress at the break. The shear curve comes from the mean curve of D3, or is a copy of
     /// what is given.
-    pub fn texts(&self) -> Result<Texts, CouponMaterialError> {
+    pub fn texts(&self) -> Result<Texts, Error> {
         let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
         let ((md_fibre, md_curve), (td_fibre, td_curve)) = (self.fibre(md)?, self.fibre(td)?);
         let (shear, remark) = match &self.shear {
@@ -138,11 +107,18 @@ impl CouponMaterial<'_> {
         Ok(Texts { material, shear })
     }
 
-    fn along(&self, direction: Direction) -> Result<&DirectionMeans, CouponMaterialError> {
-        self.reduction.along(direction).ok_or(CouponMaterialError::Missing { direction })
+    fn along(&self, direction: Direction) -> Result<&DirectionMeans, Error> {
+        self.reduction.along(direction).ok_or_else(|| {
+            let error =
+                refusal!("a material needs coupons of MD, TD and D3 (for shear), and there is none of {direction}");
+            match direction {
+                Direction::D3 => error.with_hint("give a shear curve from elsewhere: --shear FILE"),
+                _ => error,
+            }
+        })
     }
 
-    fn fibre(&self, along: &DirectionMeans) -> Result<(String, material::Curve), CouponMaterialError> {
+    fn fibre(&self, along: &DirectionMeans) -> Result<(String, material::Curve), Error> {
         fibre(along, self.elastic_corner)
     }
 
@@ -153,19 +129,20 @@ impl CouponMaterial<'_> {
         head
     }
 
-    fn density_line(&self) -> Result<String, CouponMaterialError> {
+    fn density_line(&self) -> Result<String, Error> {
         match self.density {
             Some(density) if density.is_finite() && density > 0.0 => {
                 Ok(format!("density   = \"{} kg/m3\"", significant(density, DIGITS)))
             }
-            Some(density) => Err(CouponMaterialError::Density(density)),
+            Some(density) => Err(refusal!("expected a density above zero, found {density} kg/m3")),
             None => Ok(format!("density   = \"{LLDPE_DENSITY} kg/m3\" # assumed: that of LLDPE, since none was given")),
         }
     }
 
     /// The shear curve's file from D3, and the remark that belongs to it.
-    fn sheared(&self, skewed: &DirectionMeans, fibres: Fibres<'_>) -> Result<(String, String), CouponMaterialError> {
-        let sheared = self.coupon.shear_by(self.shear_by, &skewed.curve, fibres)?;
+    fn sheared(&self, skewed: &DirectionMeans, fibres: Fibres<'_>) -> Result<(String, String), Error> {
+        let sheared =
+            self.coupon.shear_by(self.shear_by, &skewed.curve, fibres).map_err(|error| error.about("shear"))?;
         let (end, why) = shear_end(&sheared, self.shear_by);
         let count = counted(skewed.recordings(), skewed.virtual_recordings);
         let mut file =
@@ -232,20 +209,22 @@ fn shear_end(sheared: &Shear, method: ShearMethod) -> (f64, &'static str) {
 }
 
 /// The origin and the samples up to the angle `end`, whose stress does not fall: noise is levelled, a real fall is refused.
-fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, CouponMaterialError> {
+fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, Error> {
     let samples = || sheared.curve.samples().take_while(|[angle, _]| *angle <= end);
     let largest = samples().fold(0.0_f64, |most, [_, stress]| most.max(stress));
     let mut points = vec![[0.0, 0.0]];
     for [angle, stress] in samples() {
         let [last, before] = points[points.len() - 1];
         if stress < before - SHEAR_TOLERANCE * largest {
-            return Err(CouponMaterialError::ShearFalls { angle });
+            return Err(refusal!(
+                "shear: stress falls at the angle {angle} rad: the curve of a material must not fall"
+            ));
         }
         if angle > last {
             points.push([angle, stress.max(before)]);
         }
     }
-    if points.len() > 1 { Ok(points) } else { Err(CurveError::TooShort.into()) }
+    if points.len() > 1 { Ok(points) } else { Err(too_short().about("shear")) }
 }
 
 /// The points that a polyline needs to stay within [`SHEAR_TOLERANCE`] of all of them, first and last included, as
@@ -296,7 +275,7 @@ fn shown_spread(spread: &SampleStatistics, factor: f64) -> String {
 
 /// The curve of one direction, also as the language writes it: yield points and break, with a corner before them where
 /// there is one, or else the mean curve and the break.
-fn fibre(along: &DirectionMeans, corner: Option<f64>) -> Result<(String, material::Curve), CouponMaterialError> {
+fn fibre(along: &DirectionMeans, corner: Option<f64>) -> Result<(String, material::Curve), Error> {
     let mut points = points(along);
     let corner = corner.filter(|_| along.yields.is_ok()).map(|strain| [strain, strain * along.modulus.mean]);
     points.splice(..0, corner);
@@ -336,16 +315,16 @@ fn points(along: &DirectionMeans) -> Vec<[f64; 2]> {
 }
 
 /// The curve through the rounded points that are written.
-fn rising(direction: Direction, points: &[[f64; 2]]) -> Result<material::Curve, CouponMaterialError> {
+fn rising(direction: Direction, points: &[[f64; 2]]) -> Result<material::Curve, Error> {
     let points: Vec<[f64; 2]> = points.iter().map(|point| point.map(|value| rounded(value, DIGITS))).collect();
     let mut before = [0.0, 0.0];
     for point in &points {
         if point[0] <= before[0] || point[1] < before[1] {
-            return Err(CouponMaterialError::Falls { direction, points: [before, *point] });
+            return Err(falls(direction, [before, *point]));
         }
         before = *point;
     }
-    material::Curve::new(points).map_err(|_| CouponMaterialError::Falls { direction, points: [[0.0; 2], before] })
+    material::Curve::new(points).map_err(|_| falls(direction, [[0.0; 2], before]))
 }
 
 /// The mean curve at some strains, denser at the beginning.

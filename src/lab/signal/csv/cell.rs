@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::fault::{Fault, Mistake};
-use crate::signal::channel_fault::ChannelFault;
+use crate::error::{Error, refusal};
+use crate::signal::channel_fault::{not_a_number, not_finite};
 use crate::signal::text::Line;
 use base::units::Unit;
 
@@ -121,14 +121,20 @@ impl Mark {
     }
 
     /// The number in `text`, which is not empty; `name` is the column's, for the error.
-    pub fn number(&mut self, text: &str, name: &str) -> Result<f64, Fault> {
-        let name = || name.to_owned();
-        let written = self.with_point(text).ok_or_else(|| Fault::MixedMarks { name: name(), found: shown(text) })?;
+    pub fn number(&mut self, text: &str, name: &str) -> Result<f64, Error> {
+        let found = || text.chars().take(40).collect::<String>();
+        let mixed = || refusal!("decimal point and decimal comma in one file: `{}` for `{name}`", found());
+        let written = self.with_point(text).ok_or_else(mixed)?;
         match written.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(ChannelFault::NotFinite { name: name() }.into()),
-            Err(_) if carries_unit(text) => Err(Fault::UnitInCell { name: name(), found: shown(text) }),
-            Err(_) => Err(ChannelFault::NotANumber { name: name(), found: shown(text) }.into()),
+            Ok(_) => Err(not_finite(name).with_hint("leave the cell empty where nothing was measured")),
+            Err(_) if carries_unit(text) => {
+                let found = found();
+                let error =
+                    refusal!("expected a number for `{name}`, found `{found}`, which carries a unit of its own");
+                Err(error.with_hint("units belong into the header: `accel [g]`"))
+            }
+            Err(_) => Err(not_a_number(name, &found())),
         }
     }
 
@@ -153,15 +159,10 @@ fn carries_unit(text: &str) -> bool {
     unit.len() < text.len() && Unit::parse(unit).is_ok()
 }
 
-/// As much of a cell as an error shows.
-fn shown(text: &str) -> String {
-    text.chars().take(40).collect()
-}
-
 /// A mistake in the cell at `place` of a line.
-pub(super) fn at_cell(line: &Line, separator: Separator, place: usize, fault: Fault) -> Mistake {
+pub(super) fn at_cell(line: &Line, separator: Separator, place: usize, error: Error) -> Error {
     let offset = separator.cells(&line.text).nth(place).map_or(0, |cell| cell.offset);
-    Mistake { line: line.number, column: line.text[..offset].chars().count() + 1, fault }
+    error.at(line.number, line.text[..offset].chars().count() + 1)
 }
 
 #[cfg(test)]
@@ -192,8 +193,12 @@ mod tests {
         let mut mark = Mark::Unknown;
         assert_eq!(mark.number("7", "a").unwrap(), 7.0);
         assert_eq!(mark.number("-1,5e3", "a").unwrap(), -1500.0);
-        assert!(matches!(mark.number("1.5", "a"), Err(Fault::MixedMarks { .. })));
-        assert!(matches!(Mark::Point.number("1,5", "a"), Err(Fault::MixedMarks { .. })));
-        assert!(matches!(Mark::Unknown.number("1.234,5", "a"), Err(Fault::Channel(ChannelFault::NotANumber { .. }))));
+        for (mut mark, text, expected) in [
+            (mark, "1.5", "decimal point and decimal comma in one file: `1.5` for `a`"),
+            (Mark::Point, "1,5", "decimal point and decimal comma in one file: `1,5` for `a`"),
+            (Mark::Unknown, "1.234,5", "expected a number for `a`, found `1.234,5`"),
+        ] {
+            assert_eq!(mark.number(text, "a").unwrap_err().to_string(), expected);
+        }
     }
 }

@@ -5,11 +5,12 @@ use std::collections::{HashSet, VecDeque};
 use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator, at_cell};
-use super::fault::{Fault, Mistake};
-use crate::signal::channel_fault::ChannelFault;
+use crate::error::{Error, Kind, refusal};
+use crate::signal::channel_fault::{not_a_time, other_unit};
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
 use crate::signal::text::{Line, Lines};
 use crate::signal::{Annotations, ReadOptions, Warning, measurement};
+use base::diagnostic::listed;
 use base::units::{Time, Unit};
 
 /// Most lines before the first number.
@@ -28,7 +29,7 @@ pub struct Layout {
 
 impl Layout {
     /// Reads `lines` up to the first row of numbers.
-    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Mistake> {
+    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Error> {
         let Head { mut lines, first, mut comments } = Head::read(lines)?;
         let separator = separator(&first.text, options);
         let mut rows = VecDeque::from([first]);
@@ -58,8 +59,7 @@ impl Layout {
     }
 
     /// The place of the column that holds the time.
-    pub fn time(&self, options: &ReadOptions) -> Result<usize, Mistake> {
-        let names = || self.columns.iter().map(|column| column.label.clone()).collect();
+    pub fn time(&self, options: &ReadOptions) -> Result<usize, Error> {
         if let Some(name) = &options.time {
             return self.find(name);
         }
@@ -67,15 +67,20 @@ impl Layout {
             return Ok(0);
         }
         let places: Vec<usize> = (0..self.columns.len()).filter(|place| self.columns[*place].is_time()).collect();
+        let refused = |what: &str| {
+            let names: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
+            let error = refusal!("{what} of time among {}", listed(&names));
+            self.at_header(error.with_hint("name the column of time: --time NAME"))
+        };
         match places[..] {
             [place] => Ok(place),
-            [] => Err(self.at_header(Fault::NoTime { found: names() })),
-            _ => Err(self.at_header(Fault::SeveralTimes { found: names() })),
+            [] => Err(refused("no column").with_kind(Kind::NoTime)),
+            _ => Err(refused("several columns")),
         }
     }
 
     /// The unit of the time column; seconds where the file states none.
-    pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
+    pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
         let column = &self.columns[place];
         if let Some(symbol) = &column.unknown_unit {
             return Err(self.wrong_time_unit(place, symbol));
@@ -91,12 +96,12 @@ impl Layout {
         }
     }
 
-    fn wrong_time_unit(&self, place: usize, unit: &str) -> Mistake {
-        self.at_column(place, ChannelFault::TimeUnit { name: self.columns[place].name.clone(), unit: unit.to_owned() })
+    fn wrong_time_unit(&self, place: usize, unit: &str) -> Error {
+        self.at_column(place, not_a_time(&self.columns[place].name, unit))
     }
 
     /// The unit of a column from the file or the caller; both where they agree. A warning where it is not known.
-    pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Mistake> {
+    pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
         let unit = self.given_unit(place, options, options.unit.as_ref())?;
         let ColumnName { label, unknown_unit, .. } = &self.columns[place];
         if let (None, Some(symbol)) = (&unit, unknown_unit) {
@@ -106,47 +111,49 @@ impl Layout {
         Ok(unit)
     }
 
-    fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Mistake> {
+    fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Error> {
         let column = &self.columns[place];
         let named = options.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
         match (&column.unit, named.map(|(_, unit)| unit).or(other)) {
             (Some(file), Some(given)) if file != given => {
-                let [file, given] = [file, given].map(|unit| unit.symbol().to_owned());
-                Err(self.at_column(place, ChannelFault::GivenUnit { name: column.name.clone(), file, given }))
+                Err(self.at_column(place, other_unit(&column.name, file.symbol(), given.symbol())))
             }
             (file, given) => Ok(file.as_ref().or(given).cloned()),
         }
     }
 
     /// The place of the column called `name`.
-    pub fn find(&self, name: &str) -> Result<usize, Mistake> {
+    pub fn find(&self, name: &str) -> Result<usize, Error> {
         let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
-        let found = measurement::find(name, names);
-        found.map_err(|error| self.at_header(ChannelFault::Name(error)))
+        measurement::find(name, names).map_err(|error| self.at_header(error))
     }
 
     /// A mistake in the header.
-    pub fn at_header(&self, fault: impl Into<Fault>) -> Mistake {
-        Mistake { line: self.header.as_ref().map_or(0, |line| line.number), column: 1, fault: fault.into() }
+    pub fn at_header(&self, error: Error) -> Error {
+        error.at(self.header.as_ref().map_or(0, |line| line.number), 1)
     }
 
     /// A mistake in the header of a column.
-    fn at_column(&self, place: usize, fault: impl Into<Fault>) -> Mistake {
+    fn at_column(&self, place: usize, error: Error) -> Error {
         match &self.header {
-            Some(line) => at_cell(line, self.separator, place, fault.into()),
-            None => self.at_header(fault),
+            Some(line) => at_cell(line, self.separator, place, error),
+            None => error,
         }
     }
 
     /// Adds the units of a line below the names.
-    fn add_units(&mut self, line: &Line, units: Vec<UnitCell>) -> Result<(), Mistake> {
+    fn add_units(&mut self, line: &Line, units: Vec<UnitCell>) -> Result<(), Error> {
         for (place, unit) in units.into_iter().enumerate() {
             let column = &mut self.columns[place];
             match (unit, &column.unit) {
                 (UnitCell::Known(row), Some(header)) if *header != row => {
-                    let [header, row] = [header, &row].map(|unit| unit.symbol().to_owned());
-                    let fault = Fault::MixedUnits { name: column.name.clone(), header, row };
-                    return Err(at_cell(line, self.separator, place, fault));
+                    let error = refusal!(
+                        "mixed units: the header states `{}` of `{}`, the line of units `{}`",
+                        header.symbol(),
+                        column.name,
+                        row.symbol()
+                    );
+                    return Err(at_cell(line, self.separator, place, error));
                 }
                 (UnitCell::Known(row), None) => column.unit = Some(row),
                 (UnitCell::Unknown(symbol), None) => column.unknown_unit = Some(symbol),
@@ -157,24 +164,26 @@ impl Layout {
     }
 
     /// The layout, once its names are those of the first row's columns, and the given units those of names.
-    fn checked(self, options: &ReadOptions) -> Result<Layout, Mistake> {
+    fn checked(self, options: &ReadOptions) -> Result<Layout, Error> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
-            let names = self.columns.iter().map(|column| column.label.clone()).collect();
+            let names: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
             let place = self.header.as_ref().unwrap_or(&self.rows[0]);
-            return Err(Mistake {
-                line: place.number,
-                column: 1,
-                fault: Fault::NamesAndColumns { names, columns: cells },
-            });
+            let (names_counted, columns) = (counted(names.len(), "name"), counted(cells, "column"));
+            return Err(refusal!("{names_counted} ({}) over {columns}", listed(&names))
+                .with_hint("give the names of the columns: --columns time,a,b")
+                .at(place.number, 1));
         }
         let mut labels = HashSet::new();
         for (place, column) in self.columns.iter().enumerate() {
             if column.label.is_empty() {
-                return Err(self.at_column(place, Fault::Unnamed { column: place + 1 }));
+                return Err(self.at_column(place, refusal!("column {} has no name", place + 1)));
             }
             if !labels.insert(column.label.as_str()) {
-                return Err(self.at_column(place, Fault::Duplicate { name: column.label.clone() }));
+                let error = refusal!("two columns are called `{}`", column.label)
+                    .with_hint("rename one; several specimens side by side are read by `droptower reduce coupon`")
+                    .with_kind(Kind::EqualNames);
+                return Err(self.at_column(place, error));
             }
         }
         options.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
@@ -190,7 +199,7 @@ struct Head {
 }
 
 impl Head {
-    fn read(source: &mut Lines<impl BufRead>) -> Result<Head, Mistake> {
+    fn read(source: &mut Lines<impl BufRead>) -> Result<Head, Error> {
         let (mut lines, mut comments) = (Vec::new(), Vec::new());
         while let Some(line) = source.line()? {
             if let Some(comment) = line.text.trim_start().strip_prefix('#') {
@@ -201,13 +210,15 @@ impl Head {
                 lines.push(line.into_owned());
             }
             if lines.len() + comments.len() > LONGEST_HEAD {
-                return Err(Mistake { line: 1, column: 1, fault: Fault::NoNumbers { lines: LONGEST_HEAD } });
+                let error = refusal!("no samples: none of the first {LONGEST_HEAD} lines starts with a number");
+                return Err(error.with_kind(Kind::NoRows).at(1, 1));
             }
         }
-        Err(match lines.last() {
-            Some(last) => Mistake { line: last.number, column: 1, fault: Fault::NoRows },
-            None => Mistake::whole(Fault::Empty),
-        })
+        let error = match lines.last() {
+            Some(last) => refusal!("no samples: no line below the header starts with a number").at(last.number, 1),
+            None => refusal!("no samples: the file is empty"),
+        };
+        Err(error.with_kind(Kind::NoRows))
     }
 }
 
@@ -282,4 +293,9 @@ pub fn trimmed_to<'a>(
     let all = cells.clone().count();
     let surplus = all == count + 1 && cells.clone().last().is_some_and(|cell| cell.text.is_empty());
     cells.take(all - usize::from(surplus))
+}
+
+/// `1 name`, `2 names`.
+fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }

@@ -1,12 +1,12 @@
-//! Blocks of numbers below each other, each with the header above it or with that of the block before.
+//! Blocks of numbers below each other, each with the header above it or with that of the block before; the columns of a
+//! block are divided among specimens.
 
-use super::columns::{Group, Header, is_header};
-use super::fault::{Fault, Mistake};
 use super::head::{self, Head};
-use super::rows::{Content, Row, Rows, TextRow};
-use super::stated::{Specimen, Stated};
-use super::words::{Key, is_displacement, is_specimen, key};
+use super::words::{Key, is_displacement, is_force, is_specimen, key};
+use super::{Content, Row, Rows, Specimen, Stated, TextRow};
+use crate::error::{Error, refusal};
 use crate::signal::channel_fault::MOST_VALUES;
+use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
 
 /// Rows of numbers under one header.
 struct Block {
@@ -18,7 +18,7 @@ struct Block {
 }
 
 /// The specimens in rows.
-pub fn specimens(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Mistake> {
+pub fn specimens(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Error> {
     let mut reader = Reader::default();
     for row in &rows.rows {
         reader.push(row)?;
@@ -60,7 +60,7 @@ struct Reader {
 }
 
 impl Reader {
-    fn push(&mut self, row: &Row) -> Result<(), Mistake> {
+    fn push(&mut self, row: &Row) -> Result<(), Error> {
         match &row.content {
             Content::Blank => self.gap = true,
             Content::Texts(cells) => self.pending.push((row.number, cells.clone())),
@@ -69,7 +69,7 @@ impl Reader {
         Ok(())
     }
 
-    fn push_numbers(&mut self, number: usize, numbers: &[f64]) -> Result<(), Mistake> {
+    fn push_numbers(&mut self, number: usize, numbers: &[f64]) -> Result<(), Error> {
         let texts: Vec<&[String]> = self.pending.iter().map(|(_, cells)| cells.as_slice()).collect();
         if let Some((header, taken)) = Header::read(&texts) {
             let above = self.pending.len() - taken;
@@ -82,10 +82,11 @@ impl Reader {
                 let above = std::mem::take(&mut self.pending);
                 self.blocks.push(Block { header, row, above, rows: Vec::new() });
             } else if let Some((row, cells)) = self.pending.first() {
-                let place = cells.iter().position(|cell| cell.parse::<f64>().is_err() && !cell.is_empty());
-                let found = place.map(|place| cells[place].chars().take(40).collect()).unwrap_or_default();
-                let column = place.map(|place| place + 1);
-                return Err(Mistake { row: *row, column, fault: Fault::NotANumber { found } });
+                let wrong = cells.iter().find(|cell| cell.parse::<f64>().is_err() && !cell.is_empty());
+                let found: String = wrong.map(|cell| cell.chars().take(40).collect()).unwrap_or_default();
+                return Err(refusal!("expected a number, found `{found}`")
+                    .with_hint("put a blank line and a name before the next specimen")
+                    .at(*row, 1));
             }
         }
         self.gap = false;
@@ -97,12 +98,11 @@ impl Reader {
         };
         let (expected, found) = (block.header.columns.len(), numbers.len());
         if found > expected {
-            let fault = Fault::RowLength { expected, found };
-            return Err(Mistake { row: number, column: Some(expected + 1), fault });
+            return Err(refusal!("expected at most {expected} cells, found {found}").at(number, 1));
         }
         self.held += expected;
         if self.held > MOST_VALUES {
-            return Err(Mistake { row: number, column: None, fault: Fault::TooLarge });
+            return Err(refusal!("more than {MOST_VALUES} cells").at(number, 1));
         }
         block.rows.push((number, numbers.to_vec()));
         Ok(())
@@ -159,4 +159,99 @@ fn specimen(block: &Block, group: &Group, name: String, sheet: Option<&str>) -> 
         values: (start..end).map(|place| block.rows.iter().map(|row| value(row, place)).collect()).collect(),
         stated: Stated::default(),
     }
+}
+
+/// Most columns among which specimens are looked for.
+const MOST_COLUMNS: usize = 10_000;
+
+/// The header of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    pub columns: Vec<ColumnName>,
+    /// The specimens side by side.
+    pub groups: Vec<Group>,
+}
+
+/// The columns of one specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// As the line above the names states it.
+    pub name: Option<String>,
+    /// Its first column, and the one behind its last.
+    pub range: [usize; 2],
+}
+
+impl Header {
+    /// Of the rows of texts above one of numbers, and how many of the last of them it takes; none where none of them holds
+    /// names of force and displacement.
+    pub fn read(texts: &[&[String]]) -> Option<(Header, usize)> {
+        let units = texts.last().and_then(|cells| units(cells));
+        let below = usize::from(units.is_some());
+        let names = *texts.iter().rev().nth(below)?;
+        if !is_header(names) {
+            return None;
+        }
+        let mut columns: Vec<ColumnName> = names.iter().map(|name| ColumnName::read(name)).collect();
+        for (column, unit) in columns.iter_mut().zip(units.into_iter().flatten()) {
+            match unit {
+                UnitCell::Known(unit) => column.unit = Some(unit),
+                UnitCell::Unknown(symbol) if column.unit.is_none() => column.unknown_unit = Some(symbol),
+                _ => {}
+            }
+        }
+        let above = texts.iter().rev().nth(below + 1).and_then(|cells| groups(cells, columns.len()));
+        let taken = 1 + below + usize::from(above.is_some());
+        let groups = above.unwrap_or_else(|| repeated(&columns));
+        Some((Header { columns, groups }, taken))
+    }
+}
+
+/// Whether the cells name at least a force and a displacement.
+pub fn is_header(cells: &[String]) -> bool {
+    let any = |is: fn(&str) -> bool| cells.iter().any(|cell| is(&ColumnName::read(cell).name));
+    any(is_force) && any(is_displacement)
+}
+
+/// The cells as units, also `Sec` and the like.
+pub fn units(cells: &[String]) -> Option<Vec<UnitCell>> {
+    let lowered = |cell: &String| match cell.as_str() {
+        "Sec" | "SEC" | "sec." | "秒" => "s".to_owned(),
+        other => other.to_owned(),
+    };
+    let cells: Vec<String> = cells.iter().map(lowered).collect();
+    units_of_line(cells.iter().map(String::as_str))
+}
+
+/// The specimens that a line above the names states, where it states no more than a name for several columns each.
+fn groups(cells: &[String], width: usize) -> Option<Vec<Group>> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (place, cell) in cells.iter().enumerate().filter(|(_, cell)| !cell.is_empty()) {
+        match groups.last() {
+            // The name above each of its columns.
+            Some(last) if last.name.as_ref() == Some(cell) => {}
+            _ => groups.push(Group { name: Some(cell.clone()), range: [place, width] }),
+        }
+    }
+    let starts: Vec<usize> = groups.iter().map(|group| group.range[0]).collect();
+    for (group, end) in groups.iter_mut().zip(starts.iter().skip(1)) {
+        group.range[1] = *end;
+    }
+    let wide = groups.iter().all(|group| group.range[1] >= group.range[0] + 2);
+    let named = groups.len() > 1 || groups.iter().all(|group| group.name.as_deref().is_some_and(is_specimen));
+    (!groups.is_empty() && wide && named && cells.len() <= width).then_some(groups)
+}
+
+/// The specimens of names that repeat, or the one of names that do not.
+fn repeated(columns: &[ColumnName]) -> Vec<Group> {
+    let count = columns.len();
+    let repeats = |period: &usize| {
+        count.is_multiple_of(*period)
+            && (*period..count).all(|place| columns[place].name == columns[place - *period].name)
+    };
+    // Of more columns than machines write, finding a period takes long.
+    let longest = if count <= MOST_COLUMNS { count / 2 } else { 0 };
+    let period = (2..=longest).find(repeats).unwrap_or(count);
+    (0..count / period.max(1))
+        .map(|group| Group { name: None, range: [group * period, (group + 1) * period] })
+        .collect()
 }

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::columns::Group;
-use super::fault::{Fault, Mistake};
-use super::rows::TextRow;
-use super::stated::{Specimen, Statement};
+use super::blocks::Group;
 use super::words::{Key, direction, key, plain};
+use super::{Specimen, Statement, TextRow};
+use crate::error::{Error, Kind, refusal};
 use crate::signal::csv::Mark;
+use base::diagnostic::listed;
 use base::units::{Dimension, Length, Unit, Velocity};
 
 /// The rows above the blocks of specimens.
@@ -20,7 +20,6 @@ pub struct Head {
 /// A key with its values, and to which specimens they belong.
 struct Item {
     row: usize,
-    column: usize,
     key: Key,
     word: String,
     /// Number and unit as they are written; of a direction a word.
@@ -31,7 +30,7 @@ struct Item {
 
 /// Gives the specimens what the heads state of them. A head of the whole file holds for all its specimens, unless a later one
 /// states the same key of its own.
-pub fn state(heads: &[Head], specimens: &mut [Specimen], mark: Mark) -> Result<(), Mistake> {
+pub fn state(heads: &[Head], specimens: &mut [Specimen], mark: Mark) -> Result<(), Error> {
     let items: Vec<Vec<Item>> = heads.iter().map(|head| items(head, specimens)).collect();
     for (place, (head, found)) in heads.iter().zip(&items).enumerate() {
         for item in found {
@@ -45,12 +44,13 @@ pub fn state(heads: &[Head], specimens: &mut [Specimen], mark: Mark) -> Result<(
     Ok(())
 }
 
-fn give(item: &Item, whose: &[usize], specimens: &mut [Specimen], mark: Mark) -> Result<(), Mistake> {
-    let at = |fault| Mistake { row: item.row, column: Some(item.column + 1), fault };
+fn give(item: &Item, whose: &[usize], specimens: &mut [Specimen], mark: Mark) -> Result<(), Error> {
+    let refused = |error: Error, hint: &str| error.with_hint(hint).with_kind(Kind::ExportHead).at(item.row, 1);
     if item.values.len() != 1 && item.values.len() != whose.len() {
-        let names = whose.iter().map(|place| specimens[*place].name.clone()).collect();
-        let fault = Fault::Values { key: item.word.clone(), found: item.values.len(), specimens: names };
-        return Err(at(fault));
+        let names: Vec<String> = whose.iter().map(|place| specimens[*place].name.clone()).collect();
+        let (key, found, count) = (&item.word, item.values.len(), names.len());
+        let error = refusal!("the head states {found} values of `{key}` for {count} specimens: {}", listed(&names));
+        return Err(refused(error, "state one value, or one a specimen"));
     }
     for (order, place) in whose.iter().enumerate() {
         let Some((number, unit)) = item.values.get(order).or(item.values.first()) else { continue };
@@ -76,8 +76,9 @@ fn give(item: &Item, whose: &[usize], specimens: &mut [Specimen], mark: Mark) ->
         let Some(slot) = specimen.stated.slot(item.key) else { continue };
         match slot {
             Some(first) if first.value != statement.value => {
-                let (first, second) = (first.written.clone(), statement.written);
-                return Err(at(Fault::StatedTwice { key: item.word.clone(), specimen: name, first, second }));
+                let (key, first, second) = (&item.word, &first.written, &statement.written);
+                let error = refusal!("the head states `{key}` of {name} twice: {first} and {second}");
+                return Err(refused(error, "leave one of them"));
             }
             _ => *slot = Some(statement),
         }
@@ -135,7 +136,7 @@ fn items(head: &Head, specimens: &[Specimen]) -> Vec<Item> {
             let of = group.filter(|_| shares).map(|group| vec![head.specimens.start + group]);
             let values = values(&cells[*at..end], *key);
             if !values.is_empty() {
-                items.push(Item { row: *row, column: *at, key: *key, word: label(&cells[*at]), values, of });
+                items.push(Item { row: *row, key: *key, word: label(&cells[*at]), values, of });
             }
         }
     }
@@ -244,7 +245,6 @@ fn table(
             let Some(value) = value else { continue };
             items.push(Item {
                 row: *row,
-                column: *at,
                 key: *key,
                 word: label(heading),
                 values: vec![value],

@@ -5,36 +5,268 @@
 //! (TestSuite) and Shimadzu (Trapezium); their makers publish no format.
 
 mod blocks;
-mod columns;
-mod fault;
 mod head;
-mod rows;
-mod stated;
 #[cfg(test)]
 mod tests;
 mod words;
 
+use std::io::BufRead;
 use std::path::Path;
 
-use crate::signal::text::{self, TextError};
+use super::channel_fault::MOST_VALUES;
+use super::column_name::ColumnName;
+use super::csv::{Mark, Separator};
+use super::text::{self, Lines};
+use crate::error::{Error, refusal};
+use words::Key;
 
-pub use fault::{Fault, Mistake, ReadError};
-pub use rows::{Content, Count, Row, Rows, of_text};
-pub use stated::{Export, Specimen, Stated, Statement};
 pub use words::{is_displacement, is_force};
 
+/// A quantity that a head states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// SI.
+    pub value: f64,
+    /// As the head writes it: `Breite b0: 10,05 mm`.
+    pub written: String,
+}
+
+/// What a head states of one specimen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stated {
+    /// Its width.
+    pub width: Option<Statement>,
+    /// Its thickness.
+    pub thickness: Option<Statement>,
+    /// Length between the jaws.
+    pub grips: Option<Statement>,
+    /// Gauge length.
+    pub gauge: Option<Statement>,
+    /// Speed of the jaws apart.
+    pub speed: Option<Statement>,
+    /// A word for the direction of the film.
+    pub direction: Option<String>,
+    /// Statements without a unit or with one of another quantity, which are not used.
+    pub unused: Vec<String>,
+}
+
+impl Stated {
+    /// Whether nothing is stated that is used.
+    pub fn is_empty(&self) -> bool {
+        let Stated { width, thickness, grips, gauge, speed, direction, unused: _ } = self;
+        [width, thickness, grips, gauge, speed].iter().all(|statement| statement.is_none()) && direction.is_none()
+    }
+
+    /// All of it, as the head writes it.
+    pub fn written(&self) -> Vec<String> {
+        let Stated { width, thickness, grips, gauge, speed, direction, unused } = self;
+        let quantities = [width, thickness, grips, gauge, speed].into_iter().flatten();
+        let quantities = quantities.map(|statement| statement.written.clone());
+        quantities
+            .chain(direction.iter().map(|word| format!("direction: {word}")))
+            .chain(unused.iter().cloned())
+            .collect()
+    }
+
+    /// The place of a quantity; none of what is no quantity.
+    pub fn slot(&mut self, key: Key) -> Option<&mut Option<Statement>> {
+        Some(match key {
+            Key::Width => &mut self.width,
+            Key::Thickness => &mut self.thickness,
+            Key::Grips => &mut self.grips,
+            Key::Gauge => &mut self.gauge,
+            Key::Speed => &mut self.speed,
+            Key::Direction | Key::Name => return None,
+        })
+    }
+}
+
+/// The specimens of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Export {
+    /// In the order of the file.
+    pub specimens: Vec<Specimen>,
+    /// Comments of the file: lines that start with `#`.
+    pub comments: Vec<String>,
+}
+
+/// One specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Specimen {
+    /// As the file names it, or else its sheet or its number.
+    pub name: String,
+    /// Where its header is: the sheet, and the row counted from one.
+    pub place: (Option<String>, usize),
+    /// Names and units of its columns.
+    pub columns: Vec<ColumnName>,
+    /// As many as columns, each as long as the others; as the file writes them, `NaN` for an empty cell.
+    pub values: Vec<Vec<f64>>,
+    /// What the head states of it.
+    pub stated: Stated,
+}
+
+impl Export {
+    /// Whether the file is more than one table without a head, which any reader of tables reads.
+    pub fn is_of_machine(&self) -> bool {
+        self.specimens.len() > 1 || self.specimens.iter().any(|specimen| !specimen.stated.is_empty())
+    }
+}
+
+impl Specimen {
+    /// Leaves out rows behind the last that has a value: those of longer specimens beside it.
+    pub fn trim(&mut self) {
+        let filled = |values: &Vec<f64>| values.iter().rposition(|value| !value.is_nan()).map_or(0, |last| last + 1);
+        let rows = self.values.iter().map(filled).max().unwrap_or(0);
+        self.values.iter_mut().for_each(|values| values.truncate(rows));
+    }
+}
+
 /// The specimens in `rows`; one that is not named in them is called after the `sheet`, or numbered.
-pub fn read_sheet(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Mistake> {
+pub fn read_sheet(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Error> {
     blocks::specimens(rows, sheet)
 }
 
 /// The specimens of the text at `path`; none where it holds no force over displacement.
-pub fn read_text(path: &Path) -> Result<Option<Export>, ReadError> {
-    let read = || {
-        let mut lines = text::open::<TextError>(path).map_err(Mistake::from_text)?;
-        let Some(rows) = rows::of_text(&mut lines)? else { return Ok(None) };
+pub fn read_text(path: &Path) -> Result<Option<Export>, Error> {
+    let read = || -> Result<_, Error> {
+        let mut lines = text::open(path)?;
+        let Some(rows) = rows_of_text(&mut lines)? else { return Ok(None) };
         let specimens = read_sheet(&rows, None)?;
         Ok((!specimens.is_empty()).then_some(Export { specimens, comments: rows.comments }))
     };
-    read().map_err(|mistake| ReadError { path: path.into(), sheet: None, mistake: Box::new(mistake) })
+    read().map_err(|error| error.in_file(path))
+}
+
+/// A row of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Counted from one.
+    pub number: usize,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a row holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// Nothing.
+    Blank,
+    /// Numbers alone, `NaN` for an empty cell.
+    Numbers(Vec<f64>),
+    /// Anything else.
+    Texts(Vec<String>),
+}
+
+/// A row of texts in a head, with its number.
+pub type TextRow = (usize, Vec<String>);
+
+/// Rows and how their numbers are written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    /// All of them, blank ones too.
+    pub rows: Vec<Row>,
+    /// Decimal mark of the numbers.
+    pub mark: Mark,
+    /// Lines that start with `#`.
+    pub comments: Vec<String>,
+}
+
+/// Most rows of anything but numbers, and most bytes of them.
+const MOST_TEXTS: usize = 10_000;
+const MOST_BYTES: usize = 1 << 26;
+/// Lines in which the separator is looked for.
+const SEPARATOR_WITHIN: usize = 1000;
+
+/// The rows of a text; none where no line is one of numbers.
+fn rows_of_text(lines: &mut Lines<impl BufRead>) -> Result<Option<Rows>, Error> {
+    let (mut first, mut separator, mut held) = (Vec::new(), None, 0);
+    while let Some(line) = lines.line()? {
+        if line.text.trim_start().starts_with('#') {
+            held += line.text.len();
+            if held > MOST_BYTES {
+                break;
+            }
+            first.push((line.number, line.text.into_owned()));
+            continue;
+        }
+        separator = Separator::ALL.into_iter().find(|separator| is_numbers(&cells(*separator, &line.text)));
+        held += line.text.len();
+        first.push((line.number, line.text.into_owned()));
+        if separator.is_some() || first.len() > SEPARATOR_WITHIN || held > MOST_BYTES {
+            break;
+        }
+    }
+    let Some(separator) = separator else { return Ok(None) };
+    // A quoted cell may have a decimal comma between commas.
+    let mut rows = Rows::default();
+    let mut count = Count::default();
+    for (number, text) in first {
+        rows.push_line(number, &text, separator, &mut count)?;
+    }
+    while let Some(line) = lines.line()? {
+        rows.push_line(line.number, &line.text, separator, &mut count)?;
+    }
+    Ok(Some(rows))
+}
+
+/// Texts and numbers that are held.
+#[derive(Default)]
+pub struct Count {
+    texts: usize,
+    bytes: usize,
+    numbers: usize,
+}
+
+impl Rows {
+    fn push_line(&mut self, number: usize, line: &str, separator: Separator, count: &mut Count) -> Result<(), Error> {
+        match line.trim_start().strip_prefix('#') {
+            Some(comment) => {
+                self.comments.push(comment.trim().to_owned());
+                Ok(())
+            }
+            None => self.push(number, cells(separator, line), count),
+        }
+    }
+
+    /// Adds a row of these cells.
+    pub fn push(&mut self, number: usize, cells: Vec<String>, count: &mut Count) -> Result<(), Error> {
+        let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+        let cells = &cells[..filled];
+        let mut mark = self.mark;
+        let content = match numbers(cells, &mut mark) {
+            _ if cells.is_empty() => Content::Blank,
+            Some(numbers) => {
+                self.mark = mark;
+                count.numbers += numbers.len();
+                Content::Numbers(numbers)
+            }
+            None => {
+                count.texts += 1;
+                count.bytes += cells.iter().map(|cell| size_of::<String>() + cell.len()).sum::<usize>();
+                Content::Texts(cells.to_vec())
+            }
+        };
+        if count.numbers > MOST_VALUES {
+            return Err(refusal!("more than {MOST_VALUES} cells").at(number, 1));
+        }
+        if count.texts > MOST_TEXTS || count.bytes > MOST_BYTES {
+            return Err(refusal!("more than {MOST_TEXTS} rows that are not of numbers").at(number, 1));
+        }
+        self.rows.push(Row { number, content });
+        Ok(())
+    }
+}
+
+fn cells(separator: Separator, line: &str) -> Vec<String> {
+    separator.cells(line).map(|cell| cell.text.into_owned()).collect()
+}
+
+fn is_numbers(cells: &[String]) -> bool {
+    numbers(cells, &mut Mark::Unknown).is_some_and(|found| found.iter().filter(|value| !value.is_nan()).count() > 1)
+}
+
+/// The cells as numbers, at least one of them; none where some cell is anything else.
+fn numbers(cells: &[String], mark: &mut Mark) -> Option<Vec<f64>> {
+    let number = |cell: &String| if cell.is_empty() { Some(f64::NAN) } else { mark.number(cell, "").ok() };
+    cells.iter().map(number).collect()
 }

@@ -5,10 +5,9 @@
 mod pulse;
 mod search;
 
-use thiserror::Error;
-
 use super::Series;
-use super::gap::{self, Gap};
+use super::gap;
+use crate::error::{Error, refusal};
 use base::number::significant;
 use base::units::STANDARD_GRAVITY;
 use pulse::Pulse;
@@ -36,62 +35,37 @@ pub fn dummy_equivalent(hic36: f64) -> f64 {
     0.75446 * hic36 + 166.4
 }
 
-/// Why an acceleration has no head injury criterion.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum HicError {
-    /// The window is not positive.
-    #[error("a window of {} s is not positive", significant(*window, 9))]
-    Window {
-        /// Longest interval, s.
-        window: f64,
-    },
-    /// Fewer than two samples.
-    #[error("the head injury criterion needs two samples, found {count}")]
-    TooShort {
-        /// Number of samples.
-        count: usize,
-    },
-    /// The series has a gap.
-    #[error(transparent)]
-    NotMeasured(Gap),
-    /// The window is shorter than the time step.
-    #[error("no two samples lie within a window of {} s", significant(*window, 9))]
-    TooCoarse {
-        /// Longest interval, s.
-        window: f64,
-    },
-    /// Every mean acceleration is zero or negative.
-    #[error("the mean acceleration is positive between no two samples (deceleration must be, or give the resultant)")]
-    NeverPositive,
-}
-
 /// The head injury criterion of an acceleration (m/s², deceleration positive, or the resultant) over intervals of at
 /// most `window` s.
 ///
 /// The acceleration is taken as linear between samples. All pairs of samples are compared, and the ends of the best
 /// pair are then moved between samples, so a window need not be a multiple of the step, which need not be even.
-pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, HicError> {
+pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, Error> {
     if window.is_nan() || window <= 0.0 {
-        return Err(HicError::Window { window });
+        return Err(refusal!("a window of {} s is not positive", significant(window, 9)));
     }
     if series.len() < 2 {
-        return Err(HicError::TooShort { count: series.len() });
+        return Err(refusal!("the head injury criterion needs two samples, found {}", series.len()));
     }
-    if let Some(gap) = gap::first(series) {
-        return Err(HicError::NotMeasured(gap));
-    }
+    gap::check(series)?;
+    let never_positive = || {
+        refusal!(
+            "the mean acceleration is positive between no two samples (deceleration must be, or give the resultant)"
+        )
+    };
     let peak = series.values().iter().copied().fold(0.0, f64::max);
     if peak == 0.0 {
-        return Err(HicError::NeverPositive);
+        return Err(never_positive());
     }
     let pulse = Pulse::new(series, peak);
-    let pair = Search::new(&pulse, window).best_pair().ok_or(HicError::TooCoarse { window })?;
+    let pair = Search::new(&pulse, window).best_pair();
+    let pair = pair.ok_or_else(|| refusal!("no two samples lie within a window of {} s", significant(window, 9)))?;
     let [start, end] = pulse.refined(pair, window);
     let length = end - start;
     let mean = peak * (pulse.speed_at(end) - pulse.speed_at(start)) / length;
     // A single positive sample between negative ones gives no pair a positive mean.
     if mean <= 0.0 {
-        return Err(HicError::NeverPositive);
+        return Err(never_positive());
     }
     Ok(Hic { value: length * (mean / STANDARD_GRAVITY).powf(2.5), start, end, mean })
 }
@@ -226,13 +200,17 @@ mod tests {
     #[test]
     fn series_without_a_criterion_are_refused() {
         let line = |values: Vec<f64>| Series::new((0..values.len()).map(|i| i as f64).collect::<Vec<_>>(), values);
-        let hic = |values: Vec<f64>, window| head_injury_criterion(&line(values), window).unwrap_err();
-        assert_eq!(hic(vec![1.0], 0.015), HicError::TooShort { count: 1 });
-        assert_eq!(hic(vec![1.0, f64::NAN], 0.015), HicError::NotMeasured(Gap::Sample { time: 1.0 }));
-        assert_eq!(hic(vec![-1.0, -2.0], 2.0), HicError::NeverPositive);
-        assert_eq!(hic(vec![-10.0, 1.0, -10.0], 2.0), HicError::NeverPositive);
-        assert_eq!(hic(vec![1.0, 2.0], 0.015), HicError::TooCoarse { window: 0.015 });
-        assert_eq!(hic(vec![1.0, 2.0], 0.0), HicError::Window { window: 0.0 });
+        for (values, window, expected) in [
+            (vec![1.0], 0.015, "the head injury criterion needs two samples, found 1"),
+            (vec![1.0, f64::NAN], 0.015, "nothing was measured at 1 s"),
+            (vec![-1.0, -2.0], 2.0, "the mean acceleration is positive between no two samples"),
+            (vec![-10.0, 1.0, -10.0], 2.0, "the mean acceleration is positive between no two samples"),
+            (vec![1.0, 2.0], 0.015, "no two samples lie within a window of 0.015 s"),
+            (vec![1.0, 2.0], 0.0, "a window of 0 s is not positive"),
+        ] {
+            let error = head_injury_criterion(&line(values), window).unwrap_err().to_string();
+            assert!(error.starts_with(expected), "{error}");
+        }
     }
 
     /// A cost quadratic in the samples would take hours.

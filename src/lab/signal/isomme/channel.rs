@@ -1,10 +1,9 @@
-//! One channel file: its header, then a value a line.
+//! One channel file: its header with a key and a value a line, then a value a line.
 
-use super::fault::{Fault, Mistake, ReadError};
 use super::files::{Member, MemberLines};
-use super::header::{Header, stated};
+use crate::error::{Error, refusal};
 use crate::signal::Warning;
-use crate::signal::channel_fault::{ChannelFault, MOST_VALUES};
+use crate::signal::channel_fault::{MOST_VALUES, not_a_number, not_a_time, not_finite, not_increasing};
 use crate::signal::text::Line;
 use base::units::{Time, Unit};
 
@@ -21,8 +20,8 @@ pub struct ChannelHead {
 
 impl ChannelHead {
     /// Reads the header of `file`.
-    pub fn read(file: &Member) -> Result<ChannelHead, ReadError> {
-        let header = head(file).map(|(header, ..)| header).map_err(|mistake| mistake.locate(&file.path))?;
+    pub fn read(file: &Member) -> Result<ChannelHead, Error> {
+        let header = head(file).map(|(header, ..)| header).map_err(|error| error.in_file(&file.path))?;
         let name = header.text("Channel code").map_or_else(|| file.name(), str::to_owned);
         let label = header.text("Name of the channel").unwrap_or(&name).to_owned();
         Ok(ChannelHead { file: file.clone(), header, name, label })
@@ -47,19 +46,19 @@ impl ChannelHead {
     }
 
     /// The values as they are written; `NaN` where there is none.
-    pub fn values(&self) -> Result<Vec<f64>, ReadError> {
+    pub fn values(&self) -> Result<Vec<f64>, Error> {
         self.read_values(|_| Ok(()))
     }
 
     /// The values as times in s; a warning where the header does not state their unit.
-    pub fn times(&self, warnings: &mut Vec<Warning>) -> Result<Vec<f64>, ReadError> {
+    pub fn times(&self, warnings: &mut Vec<Warning>) -> Result<Vec<f64>, Error> {
         let mut previous = f64::NEG_INFINITY;
         let mut times = self.read_values(|time| {
             if time.is_nan() {
-                return Err(Fault::TimeGap { channel: self.name.clone() });
+                return Err(refusal!("a sample of the time axis `{}` was not measured", self.name));
             }
             if time <= previous {
-                return Err(ChannelFault::TimeNotIncreasing { time, previous }.into());
+                return Err(not_increasing(time, previous));
             }
             previous = time;
             Ok(())
@@ -69,48 +68,51 @@ impl ChannelHead {
             return Ok(times);
         };
         let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
-        let unit = unit.ok_or_else(|| {
-            let fault = ChannelFault::TimeUnit { name: self.name.clone(), unit: symbol.to_owned() };
-            self.fault_at("Unit", fault.into())
-        })?;
+        let unit = unit.ok_or_else(|| self.fault_at("Unit", not_a_time(&self.name, symbol)))?;
         times.iter_mut().for_each(|time| *time = unit.to_si(*time));
         Ok(times)
     }
 
     /// A number of the header.
-    pub fn number(&self, key: &str) -> Result<Option<f64>, ReadError> {
-        self.header.number(key).map_err(|(line, fault)| Mistake { line, column: 1, fault }.locate(&self.file.path))
+    pub fn number(&self, key: &str) -> Result<Option<f64>, Error> {
+        self.header.number(key).map_err(|error| error.in_file(&self.file.path))
     }
 
     /// A mistake in the line of a key.
-    pub fn fault_at(&self, key: &str, fault: Fault) -> ReadError {
-        Mistake { line: self.header.line(key), column: 1, fault }.locate(&self.file.path)
+    pub fn fault_at(&self, key: &str, error: Error) -> Error {
+        error.at(self.header.line(key), 1).in_file(&self.file.path)
     }
 
-    fn read_values(&self, check: impl FnMut(f64) -> Result<(), Fault>) -> Result<Vec<f64>, ReadError> {
-        let (values, last) = self.rows(check).map_err(|mistake| mistake.locate(&self.file.path))?;
-        let (channel, found) = (self.name.clone(), values.len());
-        let at_end = |fault| Mistake { line: last, column: 1, fault }.locate(&self.file.path);
+    fn read_values(&self, check: impl FnMut(f64) -> Result<(), Error>) -> Result<Vec<f64>, Error> {
+        let (values, last) = self.rows(check).map_err(|error| error.in_file(&self.file.path))?;
+        let (channel, found) = (&self.name, values.len());
+        let at_end = |error: Error| error.at(last, 1).in_file(&self.file.path);
         match self.number("Number of samples")? {
-            Some(stated) if (found as f64) < stated => Err(at_end(Fault::Truncated { channel, stated, found })),
-            Some(stated) if found as f64 > stated => Err(at_end(Fault::TooMany { channel, stated, found })),
-            _ if found == 0 => Err(at_end(Fault::NoSamples { channel })),
+            Some(stated) if (found as f64) < stated => {
+                Err(at_end(refusal!("`{channel}` is truncated: {found} of {stated} samples")))
+            }
+            Some(stated) if found as f64 > stated => {
+                Err(at_end(refusal!("`{channel}` has {found} samples, but its header states {stated}")))
+            }
+            _ if found == 0 => Err(at_end(refusal!("`{channel}` has no samples"))),
             _ => Ok(values),
         }
     }
 
     /// The values, and the line that the last of them stands in.
-    fn rows(&self, mut check: impl FnMut(f64) -> Result<(), Fault>) -> Result<(Vec<f64>, usize), Mistake> {
+    fn rows(&self, mut check: impl FnMut(f64) -> Result<(), Error>) -> Result<(Vec<f64>, usize), Error> {
         let (_, first, mut lines) = head(&self.file)?;
         let (mut values, mut last) = (Vec::new(), 0);
         let mut push = |line: &Line| {
-            let at = |fault| Mistake { line: line.number, column: 1, fault };
-            let value = self.value(line.text.trim()).map_err(|fault| at(fault.into()))?;
+            let at = |error: Error| error.at(line.number, 1);
+            let value = self.value(line.text.trim()).map_err(at)?;
             check(value).map_err(at)?;
             values.push(value);
             last = line.number;
-            let full = values.len() > MOST_VALUES;
-            if full { Err(at(Fault::TooLarge { channel: self.name.clone() })) } else { Ok(()) }
+            if values.len() <= MOST_VALUES {
+                return Ok(());
+            }
+            Err(at(refusal!("`{}` has more than {MOST_VALUES} samples", self.name)))
         };
         first.as_ref().map(&mut push).transpose()?;
         let mut gap = None;
@@ -119,8 +121,7 @@ impl ChannelHead {
             if line.text.trim().is_empty() {
                 gap.get_or_insert(line.number);
             } else if let Some(line) = gap {
-                let fault = ChannelFault::NotANumber { name: self.name.clone(), found: String::new() };
-                return Err(Mistake { line, column: 1, fault: fault.into() });
+                return Err(not_a_number(&self.name, "").at(line, 1));
             } else {
                 push(&line)?;
             }
@@ -128,15 +129,14 @@ impl ChannelHead {
         Ok((values, last))
     }
 
-    fn value(&self, text: &str) -> Result<f64, ChannelFault> {
-        let name = || self.name.clone();
+    fn value(&self, text: &str) -> Result<f64, Error> {
         if stated(text).is_none() {
             return Ok(f64::NAN);
         }
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(ChannelFault::NotFinite { name: name() }),
-            Err(_) => Err(ChannelFault::NotANumber { name: name(), found: text.chars().take(40).collect() }),
+            Ok(_) => Err(not_finite(&self.name).with_hint("write NOVALUE where nothing was measured")),
+            Err(_) => Err(not_a_number(&self.name, &text.chars().take(40).collect::<String>())),
         }
     }
 }
@@ -162,7 +162,7 @@ fn class_of_code(name: &str) -> Option<f64> {
 type Head = (Header, Option<Line<'static>>, MemberLines);
 
 /// The header of `file`, the first line of its values, and the lines that follow.
-fn head(file: &Member) -> Result<Head, Mistake> {
+fn head(file: &Member) -> Result<Head, Error> {
     let mut lines = file.lines()?;
     let mut header = Header::default();
     while let Some(line) = lines.line()? {
@@ -175,7 +175,7 @@ fn head(file: &Member) -> Result<Head, Mistake> {
 }
 
 /// All lines of a file that has a header only; other lines are noted.
-pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header, ReadError> {
+pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header, Error> {
     let (mut others, mut first) = (0, 0);
     let mut read = || {
         let (mut header, mut lines) = (Header::default(), file.lines()?);
@@ -187,15 +187,15 @@ pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header,
         }
         Ok(header)
     };
-    let header = read().map_err(|mistake: Mistake| mistake.locate(&file.path))?;
+    let header = read().map_err(|error: Error| error.in_file(&file.path))?;
     if others > 0 {
         warnings.push(Warning::SkippedHeaderLines { file: file.name(), count: others, first });
     }
     Ok(header)
 }
 
-fn take(header: &mut Header, line: &Line) -> Result<bool, Mistake> {
-    header.take(&line.text, line.number).map_err(|fault| Mistake { line: line.number, column: 1, fault })
+fn take(header: &mut Header, line: &Line) -> Result<bool, Error> {
+    header.take(&line.text, line.number)
 }
 
 /// The class that a header states: `1000`, `CFC 1000`, `CFC1000`, `CFC_1000`.
@@ -203,6 +203,81 @@ fn class_of(stated: &str) -> Option<f64> {
     let upper = stated.to_ascii_uppercase();
     let number = upper.strip_prefix("CFC").map_or(upper.as_str(), |rest| rest.trim_start_matches([' ', '_', '-']));
     number.parse::<f64>().ok().filter(|class| class.is_finite() && *class > 0.0)
+}
+
+/// Most lines of a header: a list of as many channels as can be counted, and more.
+const MOST_LINES: usize = 20_000;
+
+/// Longest header, bytes.
+const LONGEST: usize = 4 << 20;
+
+/// Keys and values in the order of the file; keys may stand several times, as comments do.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Header {
+    entries: Vec<Entry>,
+    /// Of the lines that were added.
+    bytes: usize,
+}
+
+/// One line of a header.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// As the file writes it.
+    pub key: String,
+    /// None where nothing is stated: NOVALUE, NONE or nothing at all.
+    pub value: Option<String>,
+    /// Counted from one.
+    pub line: usize,
+}
+
+impl Header {
+    /// Adds a line; false where it is not one of a header, with a key and a colon.
+    pub fn take(&mut self, line: &str, number: usize) -> Result<bool, Error> {
+        let Some((key, value)) = line.split_once(':') else {
+            return Ok(false);
+        };
+        self.bytes += line.len();
+        if self.entries.len() >= MOST_LINES || self.bytes > LONGEST {
+            return Err(refusal!("the header is too long").at(number, 1));
+        }
+        self.entries.push(Entry { key: key.trim().to_owned(), value: stated(value), line: number });
+        Ok(true)
+    }
+
+    /// All lines.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The value of the first line with this key, however it is capitalised; none where nothing is stated.
+    pub fn text(&self, key: &str) -> Option<&str> {
+        self.entry(key)?.value.as_deref()
+    }
+
+    /// The number that is stated for a key.
+    pub fn number(&self, key: &str) -> Result<Option<f64>, Error> {
+        let Some((entry, text)) = self.entry(key).and_then(|entry| Some((entry, entry.value.as_ref()?))) else {
+            return Ok(None);
+        };
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.map(Some).ok_or_else(|| refusal!("`{key}` is not a number: `{text}`").at(entry.line, 1))
+    }
+
+    /// The line of a key; zero where it is missing.
+    pub fn line(&self, key: &str) -> usize {
+        self.entry(key).map_or(0, |entry| entry.line)
+    }
+
+    fn entry(&self, key: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.key.eq_ignore_ascii_case(key))
+    }
+}
+
+/// A stated value; none for the words that stand for no value.
+pub fn stated(value: &str) -> Option<String> {
+    let value = value.trim();
+    let nothing = value.is_empty() || ["NOVALUE", "NONE"].iter().any(|word| value.eq_ignore_ascii_case(word));
+    (!nothing).then(|| value.to_owned())
 }
 
 #[cfg(test)]
@@ -226,5 +301,44 @@ mod tests {
         for stated in ["P", "prefiltered", "0", "-60", "inf", "CFC"] {
             assert_eq!(class_of(stated), None, "{stated}");
         }
+    }
+
+    #[test]
+    fn a_header_has_an_end() {
+        let mut header = Header::default();
+        let taken = (1..).map(|line| header.take("Comments:", line)).take_while(Result::is_ok).count();
+        assert_eq!(taken, MOST_LINES);
+        let long = format!("Comments:{}", "x".repeat(1 << 20));
+        let mut header = Header::default();
+        let taken = (1..).map(|line| header.take(&long, line)).take_while(Result::is_ok).count();
+        assert_eq!(taken, 3);
+    }
+
+    #[test]
+    fn keys_and_values_as_they_occur() {
+        let mut header = Header::default();
+        for (number, line) in [
+            "Channel code                :11HEADCG0000ACXP",
+            "Movie reference\t\t:NOVALUE",
+            "Regulation                  :",
+            "Comments                    :Time zero: first contact",
+            "Comments                    :second",
+            "Sampling interval:1e-4",
+            "Number of samples: many",
+        ]
+        .iter()
+        .enumerate()
+        {
+            assert!(header.take(line, number + 1).unwrap());
+        }
+        assert!(!header.take("1.5E+00", 8).unwrap());
+        assert_eq!(header.text("channel CODE"), Some("11HEADCG0000ACXP"));
+        assert_eq!(header.text("Movie reference"), None);
+        assert_eq!(header.text("Regulation"), None);
+        assert_eq!(header.text("Comments"), Some("Time zero: first contact"));
+        assert_eq!(header.entries().iter().filter(|entry| entry.key == "Comments").count(), 2);
+        assert_eq!(header.number("Sampling interval").unwrap(), Some(1e-4));
+        let error = header.number("Number of samples").unwrap_err();
+        assert_eq!((error.line(), error.message()), (7, "`Number of samples` is not a number: `many`"));
     }
 }

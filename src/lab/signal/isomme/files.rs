@@ -1,16 +1,20 @@
-//! Where the files of a container are: in a folder, or in a zip archive.
+//! Where the files of a container are: in a folder, or in a zip archive that holds it as a folder does. Nothing of an
+//! archive is written to the disk.
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs;
-use std::io::{self, BufRead, Cursor, ErrorKind};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::fs::{self, File};
+use std::io::{self, BufRead, Cursor, ErrorKind, Read};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use super::archive::Archive;
-use super::fault::{Fault, Mistake, ReadError};
-use crate::signal::text::{self, Lines, TextError};
-use base::diagnostic::folder_of;
-use base::file::FileError;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::error::{Error, refusal};
+use crate::signal::text::{self, Lines};
+use base::diagnostic::{folder_of, listed};
+use base::file::{self, FileError};
 
 /// Whether the file at `path` is part of a container, by its name: a folder, `.zip`, `.mme`, `.chn` or `.001`, ….
 pub fn is_part(path: &Path) -> bool {
@@ -35,13 +39,12 @@ impl Member {
     }
 
     /// Its lines. Of one in an archive, the whole text is held in memory.
-    pub fn lines(&self) -> Result<MemberLines, Mistake> {
+    pub fn lines(&self) -> Result<MemberLines, Error> {
         match &self.place {
             Place::Disk => Ok(text::open(&self.path)?.boxed()),
             Place::Archive(archive, at) => {
                 let inner = self.path.strip_prefix(at).unwrap_or(&self.path);
-                let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::Io(error))));
-                Ok(Lines::new(Box::new(Cursor::new(archive.bytes(inner).map_err(failed)?))))
+                Ok(Lines::new(Box::new(Cursor::new(archive.bytes(inner).map_err(FileError::Io)?))))
             }
         }
     }
@@ -56,13 +59,12 @@ pub(super) struct Files {
 }
 
 impl Files {
-    pub fn locate(path: &Path) -> Result<Files, ReadError> {
-        let place = Place::from_path(path).map_err(|fault| Mistake::whole(fault).locate(path))?;
+    pub fn locate(path: &Path) -> Result<Files, Error> {
+        let place = Place::from_path(path).map_err(|error| error.in_file(path))?;
         let test = if place.is_folder(path) { place.test_in(path)? } else { path.to_owned() };
-        let fail = |fault| Mistake::whole(fault).locate(&test);
         if !place.is_file(&test) {
             let missing = io::Error::new(ErrorKind::NotFound, "no such file or folder");
-            return Err(fail(Fault::Text(TextError::Open(FileError::Io(missing)))));
+            return Err(Error::from(FileError::Io(missing)).in_file(&test));
         }
         let is_test = has_extension(&test, "mme");
         let folder = if is_test { place.channel_folder(&test)? } else { folder_of(&test).to_owned() };
@@ -72,7 +74,7 @@ impl Files {
         let mut channels: Vec<(u64, PathBuf)> =
             files.into_iter().filter_map(|file| Some((number(&file)?, file))).collect();
         if channels.is_empty() {
-            return Err(fail(Fault::NoChannelFiles { stem }));
+            return Err(refusal!("no channel files (`{stem}.001`, …)").in_file(&test));
         }
         channels.sort();
         let member = |path: PathBuf| Member { path, place: place.clone() };
@@ -89,7 +91,7 @@ enum Place {
 }
 
 impl Place {
-    fn from_path(path: &Path) -> Result<Place, Fault> {
+    fn from_path(path: &Path) -> Result<Place, Error> {
         if path.is_file() && has_extension(path, "zip") {
             return Ok(Place::Archive(Arc::new(Archive::open(path)?), path.to_owned()));
         }
@@ -113,7 +115,7 @@ impl Place {
     }
 
     /// The entries of a folder, in the order of their names.
-    fn entries(&self, folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    fn entries(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         match self {
             Place::Disk => entries_on_disk(folder),
             Place::Archive(archive, at) => {
@@ -124,8 +126,7 @@ impl Place {
     }
 
     /// The test in a folder, or else its list of channels. An archive may have it in its only folder.
-    fn test_in(&self, folder: &Path) -> Result<PathBuf, ReadError> {
-        let fail = |fault| Mistake::whole(fault).locate(folder);
+    fn test_in(&self, folder: &Path) -> Result<PathBuf, Error> {
         let files = self.entries(folder)?;
         let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
         let (tests, lists) = (of_kind("mme"), of_kind("chn"));
@@ -133,24 +134,28 @@ impl Place {
         match (&tests[..], &lists[..], &folders[..], self) {
             ([one], ..) | ([], [one], ..) => Ok((*one).clone()),
             ([], [], [inner], Place::Archive(..)) => self.test_in(inner),
-            ([], [], ..) => Err(fail(Fault::NoTest)),
+            ([], [], ..) => {
+                Err(refusal!("neither a test (.mme) nor a list of channels (.chn) in the folder").in_file(folder))
+            }
             ([], several, ..) | (several, ..) => {
-                Err(fail(Fault::SeveralTests { found: several.iter().map(|file| name_of(file)).collect() }))
+                let found: Vec<String> = several.iter().map(|file| name_of(file)).collect();
+                let error = refusal!("several tests in the folder: {}", listed(&found));
+                Err(error.with_hint("name the .mme file").in_file(folder))
             }
         }
     }
 
     /// The folder `Channel` beside a test.
-    fn channel_folder(&self, test: &Path) -> Result<PathBuf, ReadError> {
+    fn channel_folder(&self, test: &Path) -> Result<PathBuf, Error> {
         let is_it = |entry: &PathBuf| self.is_folder(entry) && name_of(entry).eq_ignore_ascii_case("channel");
         let found = self.entries(folder_of(test))?.into_iter().find(is_it);
-        found.ok_or_else(|| Mistake::whole(Fault::NoChannelFolder).locate(test))
+        found.ok_or_else(|| refusal!("no folder `Channel` beside the test").in_file(test))
     }
 }
 
 /// The entries of a folder on the disk, in the order of their names.
-fn entries_on_disk(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let failed = |error| Mistake::whole(Fault::Text(TextError::Open(FileError::from(error)))).locate(folder);
+fn entries_on_disk(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let failed = |error| Error::from(FileError::from(error)).in_file(folder);
     let entries = fs::read_dir(folder).map_err(failed)?;
     let mut paths =
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;
@@ -175,4 +180,155 @@ pub(super) fn number(path: &Path) -> Option<u64> {
     let extension = path.extension().and_then(OsStr::to_str)?;
     let digits = extension.len() >= 3 && extension.bytes().all(|letter| letter.is_ascii_digit());
     digits.then(|| extension.parse().ok()).flatten()
+}
+
+/// Most files in an archive: those of a test with as many channels as can be counted, and as many more.
+const MOST_FILES: usize = 20_000;
+
+/// Most bytes of all files of an archive together, unpacked.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// Most bytes of one file, unpacked: it is held in memory.
+const MOST_BYTES_OF_FILE: u64 = 1 << 30;
+
+/// Most bytes of an archive as it is packed: its directory is read before its files are counted.
+const MOST_BYTES_PACKED: u64 = 1 << 30;
+
+/// Most folders that a file of an archive lies in.
+const MOST_FOLDERS: usize = 16;
+
+/// Folder of the copies of attributes that macOS puts into archives.
+const ATTRIBUTES: &str = "__MACOSX";
+
+/// An archive whose names and sizes were checked.
+#[derive(Debug)]
+pub(super) struct Archive {
+    /// Place of each file in the archive.
+    files: BTreeMap<PathBuf, usize>,
+    zip: Mutex<ZipArchive<File>>,
+}
+
+impl Archive {
+    /// Reads the directory of the archive at `path`.
+    pub fn open(path: &Path) -> Result<Archive, Error> {
+        let packed = file::open(path)?;
+        let bytes = packed.metadata().map_err(FileError::from)?.len();
+        if bytes > MOST_BYTES_PACKED {
+            return Err(refusal!("the archive has {bytes} bytes, more than {MOST_BYTES_PACKED}"));
+        }
+        let zip = ZipArchive::new(packed).map_err(damaged)?;
+        if zip.len() > MOST_FILES {
+            let count = zip.len();
+            return Err(refusal!("the archive holds {count} files, more than the {MOST_FILES} of the largest test"));
+        }
+        let (mut files, mut total) = (BTreeMap::new(), 0_u64);
+        let directory = zip.metadata();
+        for index in 0..directory.len() {
+            let entry = directory.entry(index).map_err(damaged)?;
+            let name = entry.name().map_err(damaged)?.into_owned();
+            let outside = || refusal!("the archive holds a file outside of itself: `{name}`");
+            let place = inner_path(&name).ok_or_else(outside)?;
+            let folders = place.components().count().saturating_sub(1);
+            if folders > MOST_FOLDERS {
+                return Err(refusal!(
+                    "the archive holds a file in {folders} folders, one within the other, more than {MOST_FOLDERS}"
+                ));
+            }
+            if entry.is_dir() || place.starts_with(ATTRIBUTES) {
+                continue;
+            }
+            if entry.encrypted() {
+                let error = refusal!("`{name}` is encrypted");
+                return Err(error.with_hint("unpack it with its password, and read the folder"));
+            }
+            check_size(&name, entry.size(), MOST_BYTES_OF_FILE)?;
+            total = total.saturating_add(entry.size());
+            if files.insert(place, index).is_some() {
+                return Err(refusal!("the archive holds several files `{name}`"));
+            }
+        }
+        check_size(&path.file_name().unwrap_or_default().to_string_lossy(), total, MOST_BYTES)?;
+        Ok(Archive { files, zip: Mutex::new(zip) })
+    }
+
+    /// Whether it holds files below `path`.
+    pub fn is_folder(&self, path: &Path) -> bool {
+        self.files.keys().any(|file| file != path && file.starts_with(path))
+    }
+
+    /// Whether `path` is one of its files.
+    pub fn is_file(&self, path: &Path) -> bool {
+        self.files.contains_key(path)
+    }
+
+    /// The files and folders in the folder `path`, each once, in the order of their names.
+    pub fn entries(&self, path: &Path) -> Vec<PathBuf> {
+        let below = self.files.keys().filter_map(|file| file.strip_prefix(path).ok());
+        let mut entries: Vec<PathBuf> =
+            below.filter_map(|rest| rest.components().next()).map(|first| path.join(first)).collect();
+        entries.dedup();
+        entries
+    }
+
+    /// The bytes of the file at `path`, with its checksum compared.
+    pub fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let index = *self.files.get(path).ok_or(io::ErrorKind::NotFound)?;
+        let mut zip = self.zip.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = zip.by_index(index)?;
+        // A directory may state fewer bytes than there are.
+        let limit = file.size();
+        let mut bytes = Vec::new();
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > limit {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "it is longer than the archive states"));
+        }
+        Ok(bytes)
+    }
+}
+
+/// The refusal of an archive that is none, or damaged.
+fn damaged(error: ZipError) -> Error {
+    let packed_otherwise = matches!(error, ZipError::CompressionMethodNotSupported(_));
+    let error = Error::from(error);
+    match packed_otherwise {
+        true => error.with_hint("unpack it and read the folder, or pack it by deflation"),
+        false => error,
+    }
+}
+
+/// The path that a name stands for, however its parts are separated; none where it leads out of the archive.
+fn inner_path(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(name.replace('\\', "/"));
+    let is_inside = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    let has_drive = name.as_bytes().get(1) == Some(&b':');
+    (is_inside && !has_drive).then(|| path.components().filter(|part| *part != Component::CurDir).collect())
+}
+
+fn check_size(name: &str, bytes: u64, limit: u64) -> Result<(), Error> {
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(refusal!("`{name}` would unpack to {bytes} bytes, more than {limit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_inside() {
+        for (name, expected) in [
+            ("T/Channel/T.001", Some("T/Channel/T.001")),
+            ("T\\Channel\\T.001", Some("T/Channel/T.001")),
+            ("./T.mme", Some("T.mme")),
+            ("/etc/passwd", None),
+            ("../T.mme", None),
+            ("T/../../T.mme", None),
+            ("..\\T.mme", None),
+            ("C:\\T.mme", None),
+            ("C:T.mme", None),
+        ] {
+            assert_eq!(inner_path(name), expected.map(PathBuf::from), "{name}");
+        }
+    }
 }

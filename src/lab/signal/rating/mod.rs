@@ -8,12 +8,11 @@ mod phase;
 
 use std::fmt;
 
-use thiserror::Error;
-
 use self::magnitude::relative;
-use super::gap::{self, Gap};
+use super::gap;
 use super::warning::Warning;
 use super::{Series, resample};
+use crate::error::{Error, refusal};
 use base::number::{clean_time, significant};
 
 pub use super::curve::Curve;
@@ -86,73 +85,18 @@ impl fmt::Display for Grade {
     }
 }
 
-/// Why two curves cannot be rated.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum RatingError {
-    /// A curve has no samples.
-    #[error("the {curve} has no samples")]
-    Empty {
-        /// Which of the two curves.
-        curve: Curve,
-    },
-    /// The curves have no time in common.
-    #[error("the curves have no time in common: the reference is from {} s to {} s, the comparison from {} s to {} s",
-        significant(reference[0], 9), significant(reference[1], 9),
-        significant(comparison[0], 9), significant(comparison[1], 9))]
-    NoOverlap {
-        /// First and last time of the reference, s.
-        reference: [f64; 2],
-        /// First and last time of the comparison, s.
-        comparison: [f64; 2],
-    },
-    /// A curve has a gap.
-    #[error("{curve}: {gap}")]
-    NotMeasured {
-        /// Which of the two curves.
-        curve: Curve,
-        /// Its first gap in the common time.
-        gap: Gap,
-    },
-    /// Fewer than `FEWEST` samples.
-    #[error("the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}")]
-    TooShort {
-        /// Samples at 10 kHz in the common time.
-        samples: usize,
-    },
-    /// More than `MOST` samples.
-    #[error(
-        "the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
-        to warp them would compare {pairs} pairs"
-    )]
-    TooLong {
-        /// Samples at 10 kHz in the common time.
-        samples: usize,
-        /// Pairs of samples that dynamic time warping compares.
-        pairs: u64,
-    },
-    /// A relative error of zero is undefined.
-    #[error("the reference is zero everywhere between {} s and {} s", significant(*from, 9), significant(*to, 9))]
-    ZeroReference {
-        /// Start of the common time, s.
-        from: f64,
-        /// End of the common time, s.
-        to: f64,
-    },
-}
-
 /// Rates `comparison` against `reference` over the time that both cover.
-pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, RatingError> {
+pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, Error> {
     let span = common_span(reference, comparison)?;
     let curves = [(Curve::Reference, reference), (Curve::Comparison, comparison)];
     for (curve, series) in curves {
-        if let Some(gap) = gap::first(&series.window(span)) {
-            return Err(RatingError::NotMeasured { curve, gap });
-        }
+        gap::check(&series.window(span)).map_err(|gap| Error::from(gap).about(curve))?;
     }
     let samples = sample_count(span)?;
     let [r, c] = [reference, comparison].map(|series| sampled(series, span[0], samples));
     if r.iter().all(|value| *value == 0.0) {
-        return Err(RatingError::ZeroReference { from: span[0], to: span[1] });
+        let [from, to] = span.map(|time| significant(time, 9));
+        return Err(refusal!("the reference is zero everywhere between {from} s and {to} s"));
     }
     let mut rating = rate_curves(&r, &c);
     rating.warnings = curves.into_iter().filter_map(|(curve, series)| change(curve, series, span, samples)).collect();
@@ -183,28 +127,37 @@ fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
     }
 }
 
-fn common_span(reference: &Series, comparison: &Series) -> Result<[f64; 2], RatingError> {
+fn common_span(reference: &Series, comparison: &Series) -> Result<[f64; 2], Error> {
     let ends = |curve, series: &Series| match *series.time() {
-        [] => Err(RatingError::Empty { curve }),
+        [] => Err(refusal!("the {curve} has no samples")),
         [only] => Ok([only, only]),
         [first, .., last] => Ok([first, last]),
     };
     let (r, c) = (ends(Curve::Reference, reference)?, ends(Curve::Comparison, comparison)?);
     let span = [r[0].max(c[0]), r[1].min(c[1])];
     if span[0] > span[1] {
-        return Err(RatingError::NoOverlap { reference: r, comparison: c });
+        let [[r0, r1], [c0, c1]] = [r, c].map(|ends| ends.map(|time| significant(time, 9)));
+        return Err(refusal!(
+            "the curves have no time in common: the reference is from {r0} s to {r1} s, the comparison from {c0} s to {c1} s"
+        ));
     }
     Ok(span)
 }
 
-fn sample_count([from, to]: [f64; 2]) -> Result<usize, RatingError> {
+fn sample_count([from, to]: [f64; 2]) -> Result<usize, Error> {
     // Rounding of recorded times must not drop the last sample.
     let samples = ((to - from) * RATE + 1e-3).floor() as usize + 1;
     if samples < FEWEST {
-        return Err(RatingError::TooShort { samples });
+        return Err(refusal!(
+            "the curves have {samples} samples at 10 kHz in common, a rating needs at least {FEWEST}"
+        ));
     }
     if samples > MOST {
-        return Err(RatingError::TooLong { samples, pairs: (samples as u64 / 5).saturating_mul(samples as u64) });
+        let pairs = (samples as u64 / 5).saturating_mul(samples as u64);
+        return Err(refusal!(
+            "the curves have {samples} samples at 10 kHz in common, of which at most {MOST} are rated: \
+             to warp them would compare {pairs} pairs"
+        ));
     }
     Ok(samples)
 }

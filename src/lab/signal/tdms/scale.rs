@@ -2,7 +2,7 @@
 //!
 //! What National Instruments does not document, the names of the properties, is as `npTDMS` found it in files.
 
-use super::property::{Properties, number, text};
+use super::value::{Properties, number, text};
 
 /// The scales that lead from the stored number to the value.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +161,7 @@ impl Reader<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::property::Value;
+    use super::super::value::Value;
     use super::*;
 
     fn read(own: &[(&str, Value)]) -> Result<Option<Scales>, String> {

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Energy;
 use super::separable::{Separable, Sign, curve, stresses};
-use crate::confidence::{Confidence, ConfidenceError, ConfidenceOptions, Linearization};
+use crate::confidence::{Confidence, ConfidenceOptions, Linearization};
+use crate::error::{Error, refusal};
 use crate::experiment::descent::descend;
 use crate::experiment::law_fit::{
-    Coefficient, DataSet, FitError, FitOptions, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
+    Coefficient, DataSet, FitOptions, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
 };
 use membrane::material::{HyperelasticLaw, Law, Tension};
 
@@ -40,22 +41,20 @@ struct Minimum {
 }
 
 /// Fits `energy` to the `sets` and predicts the stresses of `predicted`.
-pub fn fit_law(
-    energy: Energy,
-    sets: &[DataSet],
-    predicted: &[DataSet],
-    options: &FitOptions,
-) -> Result<LawFit, FitError> {
+pub fn fit_law(energy: Energy, sets: &[DataSet], predicted: &[DataSet], options: &FitOptions) -> Result<LawFit, Error> {
     if !sets.iter().any(|set| set.weight > 0.0) {
-        return Err(FitError::NoData);
+        return Err(refusal!("no test has a weight above zero"));
     }
     if let Some(stretch) = options.stable_to.filter(|stretch| !(stretch.is_finite() && *stretch > 1.0)) {
-        return Err(FitError::StableTo(stretch));
+        return Err(refusal!("expected a largest stretch above 1, found {stretch}"));
     }
     let factors = options.weighting.factors(sets);
     let (samples, unknowns) = (factors.iter().filter(|factor| **factor > 0.0).count(), energy.names(usize::MAX).len());
     if samples <= unknowns {
-        return Err(FitError::TooFew { samples, unknowns });
+        return Err(refusal!(
+            "{samples} measured stresses for {unknowns} coefficients: there must be more stresses than coefficients"
+        )
+        .with_hint("fit a law with fewer coefficients, or add tests"));
     }
     let problem = Separable::new(energy, sets, factors);
     let stable_to = options.stable_to.unwrap_or_else(|| range(sets)[1].max(1.0));
@@ -64,9 +63,13 @@ pub fn fit_law(
     // Stability counts before residuals: a run with a law that is unstable in its range has no solution.
     let best =
         minima.iter().min_by(|a, b| (a.stability, a.squares).partial_cmp(&(b.stability, b.squares)).expect("finite"));
-    let best = best.ok_or(FitError::NoValue)?;
+    let refused = |error: Error| {
+        error.with_hint("check signs, units and the order of the columns: nominal stress grows with stretch")
+    };
+    let no_value = || refused(refusal!("the law has no finite stress at the measured stretches"));
+    let best = best.ok_or_else(no_value)?;
     if best.stability == Stability::Nowhere {
-        return Err(FitError::NoStiffness);
+        return Err(refused(refusal!("no coefficients that fit have a stiffness at rest")));
     }
     let mut warnings = stability_warnings(best, lowest, stable_to);
     let kinds: Vec<TestKind> = sets.iter().filter(|set| set.weight > 0.0).map(DataSet::kind).collect();
@@ -176,7 +179,7 @@ fn intervals(
     x: &[f64],
     sets: &[DataSet],
     residuals: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Result<Confidence, ConfidenceError> {
+) -> Result<Confidence, Error> {
     let mut roughness = 0.0_f64;
     let counted: Vec<bool> =
         sets.iter().flat_map(|set| vec![set.weight > 0.0; set.measured.stresses().len()]).collect();

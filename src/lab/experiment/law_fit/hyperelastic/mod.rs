@@ -11,5 +11,5 @@ mod separable;
 #[cfg(test)]
 mod tests;
 
-pub use energy::{Energy, EnergyError};
+pub use energy::Energy;
 pub use fit::fit_law;

@@ -130,7 +130,7 @@ fn weights_choose_what_is_fitted() {
     assert!(fits[0].coefficients[0].value != alone.coefficients[0].value);
     assert!((fits[1].coefficients[0].value / alone.coefficients[0].value - 1.0).abs() < 1e-12);
     let error = treloar().remove(0).with_weight(-1.0).expect_err("a weight below zero");
-    assert_eq!(error, DataError::Weight(-1.0));
+    assert_eq!(error.to_string(), "expected a weight that is zero or above, found -1");
 }
 
 /// Neo-Hookean film has no limit.
@@ -147,6 +147,7 @@ fn stresses_that_fall_have_no_law() {
     let points = vec![[1.5, -1e5], [2.0, -2e5], [2.5, -3e5]];
     let set = DataSet::new("wrong", Measured::Tension(Tension::Uniaxial, points)).expect("a test");
     let fit = |law: &str| fit_law(law.parse().expect("a law"), std::slice::from_ref(&set), &[], &FitOptions::default());
-    assert_eq!(fit("neo-hookean").map(|_| ()), Err(FitError::NoStiffness));
-    assert_eq!(fit("yeoh").map(|_| ()), Err(FitError::TooFew { samples: 3, unknowns: 3 }));
+    let refused = |law: &str| fit(law).expect_err("no law").to_string();
+    assert_eq!(refused("neo-hookean"), "no coefficients that fit have a stiffness at rest");
+    assert!(refused("yeoh").starts_with("3 measured stresses for 3 coefficients"));
 }

@@ -1,0 +1,320 @@
+//! Values and their types: in bytes that are read in order, as raw data, and as properties of objects.
+
+use std::collections::BTreeMap;
+
+use crate::error::{Error, refusal};
+
+/// Bytes of a file that are read in order.
+pub struct Bytes<'a> {
+    bytes: &'a [u8],
+    read: usize,
+    /// Place of the first of them in the file.
+    base: u64,
+    is_big: bool,
+}
+
+impl<'a> Bytes<'a> {
+    pub fn new(bytes: &'a [u8], base: u64, is_big: bool) -> Bytes<'a> {
+        Bytes { bytes, read: 0, base, is_big }
+    }
+
+    /// Place in the file.
+    pub fn at(&self) -> u64 {
+        self.base + self.read as u64
+    }
+
+    /// Whether more significant bytes come first.
+    pub fn is_big(&self) -> bool {
+        self.is_big
+    }
+
+    /// The next `count` bytes, which are those of `what`.
+    pub fn take(&mut self, count: usize, what: &'static str) -> Result<&'a [u8], Error> {
+        let end = self.read.checked_add(count).filter(|end| *end <= self.bytes.len());
+        let end = end.ok_or_else(|| ends(self.at(), what))?;
+        let taken = &self.bytes[self.read..end];
+        self.read = end;
+        Ok(taken)
+    }
+
+    pub fn u32(&mut self, what: &'static str) -> Result<u32, Error> {
+        self.array(what).map(|bytes| if self.is_big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    pub fn u64(&mut self, what: &'static str) -> Result<u64, Error> {
+        self.array(what).map(|bytes| if self.is_big { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
+    }
+
+    /// A text with its length before it.
+    pub fn text(&mut self, what: &'static str) -> Result<String, Error> {
+        let length = self.u32(what)? as usize;
+        Ok(String::from_utf8_lossy(self.take(length, what)?).into_owned())
+    }
+
+    fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], Error> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N, what)?);
+        Ok(array)
+    }
+}
+
+/// The fault of an end within `what`, at a byte of the file.
+pub fn ends(at: u64, what: &str) -> Error {
+    refusal!("byte {at}: the list of objects ends within {what}")
+}
+
+/// The fault of a type that the format does not have.
+pub fn unknown_type(at: u64, what: &str, code: u32) -> Error {
+    refusal!("byte {at}: {what} has the unknown type {code:#x}")
+}
+
+/// The fault of a file with more than is read.
+pub fn too_many(at: u64, most: usize, what: &str) -> Error {
+    refusal!("byte {at}: more than {most} {what}").with_hint("defragment the file: TDMS Defragment in LabVIEW")
+}
+
+/// Type of the values of a channel, or of a property.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    I8,
+    I16,
+    I32,
+    I64,
+    U8,
+    U16,
+    U32,
+    U64,
+    F32,
+    F64,
+    Bool,
+    Timestamp,
+    /// Texts, whose values have different lengths.
+    Text,
+    /// Nothing, of no length.
+    Void,
+    /// Raw data of DAQmx, whose types are those of its scalers.
+    Daqmx,
+    /// Numbers of two parts, or of more than eight bytes.
+    Other {
+        width: u8,
+        what: &'static str,
+    },
+}
+
+impl Kind {
+    /// Of the number that the format has for it.
+    pub fn from_code(code: u32) -> Option<Kind> {
+        Some(match code {
+            0 => Kind::Void,
+            1 => Kind::I8,
+            2 => Kind::I16,
+            3 => Kind::I32,
+            4 => Kind::I64,
+            5 => Kind::U8,
+            6 => Kind::U16,
+            7 => Kind::U32,
+            8 => Kind::U64,
+            9 | 0x19 => Kind::F32,
+            10 | 0x1a => Kind::F64,
+            11 | 0x1b => Kind::Other { width: 16, what: "extended floating-point numbers" },
+            0x20 => Kind::Text,
+            0x21 => Kind::Bool,
+            0x44 => Kind::Timestamp,
+            0x0008_000c => Kind::Other { width: 8, what: "complex numbers" },
+            0x0010_000d => Kind::Other { width: 16, what: "complex numbers" },
+            u32::MAX => Kind::Daqmx,
+            _ => return None,
+        })
+    }
+
+    /// Of the number that scalers of DAQmx have for it, which is another.
+    pub fn from_scaler_code(code: u32) -> Option<Kind> {
+        const KINDS: [Kind; 10] = [
+            Kind::U8,
+            Kind::I8,
+            Kind::U16,
+            Kind::I16,
+            Kind::U32,
+            Kind::I32,
+            Kind::U64,
+            Kind::I64,
+            Kind::F32,
+            Kind::F64,
+        ];
+        KINDS.get(code as usize).copied().or((code == u32::MAX).then_some(Kind::Timestamp))
+    }
+
+    /// Bytes of a value; none where they differ.
+    pub fn width(self) -> Option<usize> {
+        Some(match self {
+            Kind::Void => 0,
+            Kind::I8 | Kind::U8 | Kind::Bool => 1,
+            Kind::I16 | Kind::U16 => 2,
+            Kind::I32 | Kind::U32 | Kind::F32 => 4,
+            Kind::I64 | Kind::U64 | Kind::F64 => 8,
+            Kind::Timestamp => 16,
+            Kind::Other { width, .. } => width.into(),
+            Kind::Text | Kind::Daqmx => return None,
+        })
+    }
+
+    /// What its values are, where they are no real numbers.
+    pub fn not_real(self) -> Option<&'static str> {
+        match self {
+            Kind::Text => Some("texts"),
+            Kind::Void => Some("nothing"),
+            Kind::Other { what, .. } => Some(what),
+            _ => None,
+        }
+    }
+
+    /// The number in `bytes`, as many as its width; a time has none.
+    pub fn number(self, bytes: &[u8], is_big: bool) -> Option<f64> {
+        macro_rules! number {
+            ($type:ty) => {{
+                let bytes = bytes.try_into().ok()?;
+                Some(if is_big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) } as f64)
+            }};
+        }
+        match self {
+            Kind::I8 => number!(i8),
+            Kind::I16 => number!(i16),
+            Kind::I32 => number!(i32),
+            Kind::I64 => number!(i64),
+            Kind::U8 => number!(u8),
+            Kind::U16 => number!(u16),
+            Kind::U32 => number!(u32),
+            Kind::U64 => number!(u64),
+            Kind::F32 => number!(f32),
+            Kind::F64 => number!(f64),
+            Kind::Bool => Some(f64::from(u8::from(*bytes.first()? != 0))),
+            Kind::Timestamp | Kind::Text | Kind::Void | Kind::Daqmx | Kind::Other { .. } => None,
+        }
+    }
+}
+
+/// A time of the day: seconds since 1904-01-01 00:00 UTC, and a part of a second in units of 2⁻⁶⁴.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timestamp {
+    pub seconds: i64,
+    pub fraction: u64,
+}
+
+impl Timestamp {
+    /// Of its 16 bytes.
+    pub fn from_bytes(bytes: &[u8], is_big: bool) -> Option<Timestamp> {
+        let [first, last] = [bytes.get(..8)?.try_into().ok()?, bytes.get(8..16)?.try_into().ok()?];
+        Some(match is_big {
+            true => Timestamp { seconds: i64::from_be_bytes(first), fraction: u64::from_be_bytes(last) },
+            false => Timestamp { seconds: i64::from_le_bytes(last), fraction: u64::from_le_bytes(first) },
+        })
+    }
+
+    /// Seconds from `start` to it.
+    pub fn since(self, start: Timestamp) -> f64 {
+        let whole = i128::from(self.seconds) - i128::from(start.seconds);
+        let part = |time: Timestamp| time.fraction as f64 / 2_f64.powi(64);
+        whole as f64 + (part(self) - part(start))
+    }
+
+    /// As a date and a time of the day in UTC, to a millisecond.
+    pub fn date(self) -> String {
+        const DAY: i64 = 86_400;
+        let (days, second) = (self.seconds.div_euclid(DAY), self.seconds.rem_euclid(DAY));
+        let (year, month, day) = calendar(days);
+        let milliseconds = ((self.fraction >> 32) * 1000) >> 32;
+        format!(
+            "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}.{milliseconds:03}Z",
+            second / 3600,
+            second / 60 % 60,
+            second % 60
+        )
+    }
+}
+
+/// Year, month and day of so many days after 1904-01-01, by the Gregorian calendar (Richards, in *Explanatory Supplement to
+/// the Astronomical Almanac*, 2013, section 15.11.3).
+fn calendar(days: i64) -> (i64, i64, i64) {
+    // The Julian day number of 1904-01-01 is 2 416 481; days beyond those of the formula are none of a recording.
+    let julian = days.clamp(-2_000_000, 500_000_000) + 2_416_481;
+    let f = julian + 1401 + (4 * julian + 274_277) / 146_097 * 3 / 4 - 38;
+    let e = 4 * f + 3;
+    let h = 5 * (e % 1461 / 4) + 2;
+    let month = (h / 153 + 2) % 12 + 1;
+    (e / 1461 - 4716 + (14 - month) / 12, month, h % 153 / 5 + 1)
+}
+
+/// Properties by name.
+pub type Properties = BTreeMap<String, Value>;
+
+/// Value of a property.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Number(f64),
+    Text(String),
+    Time(Timestamp),
+    /// Of a type that no property is used with here.
+    Other,
+}
+
+impl Value {
+    fn read(bytes: &mut Bytes) -> Result<Value, Error> {
+        const WHAT: &str = "a property";
+        let (at, code) = (bytes.at(), bytes.u32(WHAT)?);
+        let kind = Kind::from_code(code).ok_or_else(|| unknown_type(at, WHAT, code))?;
+        let is_big = bytes.is_big();
+        Ok(match (kind, kind.width()) {
+            (Kind::Text, _) => Value::Text(bytes.text(WHAT)?),
+            (_, None) => return Err(unknown_type(at, WHAT, code)),
+            (Kind::Timestamp, Some(width)) => {
+                Timestamp::from_bytes(bytes.take(width, WHAT)?, is_big).map_or(Value::Other, Value::Time)
+            }
+            (_, Some(width)) => kind.number(bytes.take(width, WHAT)?, is_big).map_or(Value::Other, Value::Number),
+        })
+    }
+}
+
+/// Reads the properties of an object over those that it had.
+pub fn read_properties(bytes: &mut Bytes, properties: &mut Properties) -> Result<(), Error> {
+    for _ in 0..bytes.u32("the number of properties")? {
+        let name = bytes.text("the name of a property")?;
+        properties.insert(name, Value::read(bytes)?);
+    }
+    Ok(())
+}
+
+/// The number of this name.
+pub fn number(properties: &Properties, name: &str) -> Option<f64> {
+    match properties.get(name) {
+        Some(Value::Number(number)) => Some(*number),
+        _ => None,
+    }
+}
+
+/// The text of this name.
+pub fn text<'a>(properties: &'a Properties, name: &str) -> Option<&'a str> {
+    match properties.get(name) {
+        Some(Value::Text(text)) => Some(text),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_the_day() {
+        let at = |seconds, fraction| Timestamp { seconds, fraction };
+        for (time, expected) in [
+            (at(0, 0), "1904-01-01T00:00:00.000Z"),
+            (at(2_082_844_800, 0), "1970-01-01T00:00:00.000Z"),
+            (at(2_082_844_800 + 951_782_400 + 3661, 1 << 63), "2000-02-29T01:01:01.500Z"),
+            (at(-1, 0), "1903-12-31T23:59:59.000Z"),
+        ] {
+            assert_eq!(time.date(), expected);
+        }
+        assert_eq!(at(5, 1 << 62).since(at(3, 1 << 63)), 1.75);
+        assert!(at(i64::MAX, 0).since(at(i64::MIN, 0)) > 0.0 && !at(i64::MIN, u64::MAX).date().is_empty());
+    }
+}
