@@ -1,7 +1,6 @@
 //! The position and target of the eye.
 
-use crate::film::mirrored;
-use crate::scene::{BodyTrack, FilmSnapshot, FilmTrack, Pose, Scene};
+use crate::scene::{BodyTrack, Extent, Pose, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -21,54 +20,12 @@ const ABOVE_DISTANCE: f32 = 1.1;
 /// Depth in view over the width of a film: the depth that a run reaches is not known before it.
 const DEPTH: f32 = 0.4;
 
-/// A box around films with their mirror images, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
 /// Position and target of the eye, m, in the enlarged scene.
 pub(crate) struct Eye {
     pub(crate) position: [f32; 3],
     pub(crate) target: [f32; 3],
     /// Factor by which the scene is enlarged.
     pub(crate) enlargement: f32,
-}
-
-impl Default for Extent {
-    /// The empty box.
-    fn default() -> Extent {
-        Extent { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] }
-    }
-}
-
-impl Extent {
-    /// Extended by the corners of the visible triangles of `film` in a snapshot, and by the frame on whose springs it hangs.
-    pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
-        let visible = film.triangles.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
-        let corners =
-            visible.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
-        let images = |extent: Extent, point: &[f32; 3]| {
-            film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
-        };
-        let anchors = film.springs.iter().map(|spring| &spring.anchor);
-        corners.chain(anchors).fold(self, images)
-    }
-
-    /// Its longest side; zero where there is nothing.
-    pub(crate) fn size(&self) -> f32 {
-        [0, 1, 2].map(|k| self.high[k] - self.low[k]).into_iter().fold(0.0, f32::max)
-    }
-
-    fn around(self, point: [f32; 3]) -> Extent {
-        let Extent { low, high } = self;
-        Extent { low: [0, 1, 2].map(|k| low[k].min(point[k])), high: [0, 1, 2].map(|k| high[k].max(point[k])) }
-    }
-
-    fn or_a_metre(self) -> Extent {
-        if self.low[0] <= self.high[0] { self } else { Extent { low: [-0.5; 3], high: [0.5; 3] } }
-    }
 }
 
 impl Eye {
@@ -104,6 +61,7 @@ fn body_top(scene: &Scene) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{FilmSnapshot, FilmTrack};
 
     /// One triangle from the origin to a corner, and a failed one far away.
     fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {

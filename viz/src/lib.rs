@@ -1,39 +1,26 @@
 //! Rerun recordings of deforming films: plain positions, values and curves in, one `.rrd` file out.
-
 #![warn(missing_docs)]
 
-mod blueprint;
-mod body;
-mod colour;
 mod diagram;
 mod eye;
-mod file_sink;
 mod film;
 mod layout;
-mod live;
-mod normals;
-mod points;
 pub mod playback;
 mod quantity;
 mod scene;
-mod series;
 mod stage;
-mod stroke;
 
 use re_sdk::RecordingStreamError;
 use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
-pub use diagram::{Axis, Curve, Diagram, Look, Window};
-pub use eye::Extent;
-pub use live::{Address, AddressError};
-pub use quantity::Quantity;
-pub use scene::{
-    BodyTrack, Document, Event, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity, SpringTrack,
+pub use crate::diagram::{Axis, Curve, Diagram, Look, Window};
+pub use crate::quantity::{Quantity, Stroke, TIME};
+pub use crate::scene::{
+    BodyTrack, Chart, Document, Event, Extent, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity,
+    SignalTrack, SpringTrack,
 };
-pub use series::{Chart, SignalTrack, TIME};
-pub use stage::Stage;
-pub use stroke::Stroke;
+pub use crate::stage::{Address, AddressError, Stage};
 
 /// Why a recording could not be written.
 #[derive(Debug, Error)]

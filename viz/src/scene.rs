@@ -2,9 +2,7 @@
 
 use crate::VizError;
 use crate::diagram::Diagram;
-use crate::eye::Extent;
-use crate::quantity::Quantity;
-use crate::series::{Chart, SignalTrack};
+use crate::quantity::{Quantity, Stroke};
 
 /// Everything in one recording.
 #[derive(Clone, Debug, Default)]
@@ -192,4 +190,84 @@ impl FilmTrack {
         }
         Ok(())
     }
+}
+
+/// A curve over time.
+#[derive(Clone, Debug)]
+pub struct SignalTrack {
+    /// Entity path, e.g. `signals/velocity_m_s`.
+    pub path: String,
+    /// Label in the legend.
+    pub label: String,
+    /// Times of its values, s.
+    pub times: Vec<f64>,
+    /// One value a time; `NaN` leaves a gap.
+    pub values: Vec<f32>,
+    /// Colour and width of its line.
+    pub stroke: Stroke,
+}
+
+/// A chart of signals.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Quantity and unit.
+    pub title: String,
+    /// Paths of the signals it shows.
+    pub signals: Vec<String>,
+}
+
+impl SignalTrack {
+    pub(crate) fn check(&self) -> Result<(), VizError> {
+        let (found, expected) = (self.values.len(), self.times.len());
+        if found == expected {
+            return Ok(());
+        }
+        Err(VizError::Samples { signal: self.path.clone(), found, expected })
+    }
+}
+
+/// A box around films with their mirror images, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    pub(crate) low: [f32; 3],
+    pub(crate) high: [f32; 3],
+}
+
+impl Default for Extent {
+    /// The empty box.
+    fn default() -> Extent {
+        Extent { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] }
+    }
+}
+
+impl Extent {
+    /// Extended by the corners of the visible triangles of `film` in a snapshot, and by the frame on whose springs it hangs.
+    pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
+        let visible = film.triangles.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
+        let corners =
+            visible.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
+        let images = |extent: Extent, point: &[f32; 3]| {
+            film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
+        };
+        let anchors = film.springs.iter().map(|spring| &spring.anchor);
+        corners.chain(anchors).fold(self, images)
+    }
+
+    /// Its longest side; zero where there is nothing.
+    pub(crate) fn size(&self) -> f32 {
+        [0, 1, 2].map(|k| self.high[k] - self.low[k]).into_iter().fold(0.0, f32::max)
+    }
+
+    fn around(self, point: [f32; 3]) -> Extent {
+        let Extent { low, high } = self;
+        Extent { low: [0, 1, 2].map(|k| low[k].min(point[k])), high: [0, 1, 2].map(|k| high[k].max(point[k])) }
+    }
+
+    pub(crate) fn or_a_metre(self) -> Extent {
+        if self.low[0] <= self.high[0] { self } else { Extent { low: [-0.5; 3], high: [0.5; 3] } }
+    }
+}
+
+pub(crate) fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|axis| point[axis] * image[axis])
 }

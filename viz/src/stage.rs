@@ -1,20 +1,29 @@
 //! A recording while it is written, to a file or to an open viewer; both are logged by the same functions.
 
+use std::fmt::{self, Display};
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
+use std::str::FromStr;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use re_sdk::log::{ChunkBatcherConfig, TimeColumn};
+use re_sdk::external::re_log_encoding::Encoder;
+use re_sdk::external::re_log_encoding::rrd::EncodingOptions;
+use re_sdk::external::re_uri::ProxyUri;
+use re_sdk::log::{ChunkBatcherConfig, LogMsg, TimeColumn};
+use re_sdk::sink::{LogSink, SinkFlushError};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 use re_sdk_types::archetypes::{Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates};
 use re_sdk_types::components::{MediaType, TextLogLevel};
+use thiserror::Error;
 
 use crate::eye::Eye;
-use crate::file_sink::FileSink;
-use crate::film::Film;
-use crate::live::Address;
-use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity};
-use crate::series::{SignalTrack, TIME};
-use crate::{VizError, blueprint, body, diagram, points};
+use crate::film::{self, Film};
+use crate::quantity::TIME;
+use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity, SignalTrack};
+use crate::{VizError, diagram, layout};
 
 /// Name of the application in the viewer, which stores one layout for all its recordings.
 const APPLICATION: &str = "droptower";
@@ -83,14 +92,14 @@ impl Stage {
         let Scene { documents, signals, charts, more_charts, diagrams, events, .. } = rest;
         let scene = std::mem::take(&mut self.scene);
         self.scene = Scene { documents, signals, charts, more_charts, diagrams, events, ..scene };
-        blueprint::send(&self.stream, &self.scene)?;
+        layout::send(&self.stream, &self.scene)?;
         self.log_lists()
     }
 
     /// Logs the pose of the body of this index, if the scene has it.
     pub fn pose(&self, body: usize, pose: &Pose) -> Result<(), VizError> {
         let Some(body) = self.scene.bodies.get(body) else { return Ok(()) };
-        Ok(body::log_pose(&self.stream, body, pose)?)
+        Ok(film::log_pose(&self.stream, body, pose)?)
     }
 
     /// Logs further values of the signal at `path`, each at its time (s).
@@ -116,7 +125,7 @@ impl Stage {
         // Timelines of the recorder itself would differ from run to run.
         stream.set_log_tick_enabled(false);
         stream.set_log_time_enabled(false);
-        blueprint::send(&stream, &scene)?;
+        layout::send(&stream, &scene)?;
         stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let enlargement = Eye::on(&scene).enlargement;
         // On the root of the scene: positions in the recording stay in metres.
@@ -131,10 +140,10 @@ impl Stage {
         let films = films.collect::<Result<_, _>>()?;
         let stage = Stage { stream, scene, films };
         for (index, body) in stage.scene.bodies.iter().enumerate() {
-            body::log_shape(&stage.stream, body)?;
+            film::log_shape(&stage.stream, body)?;
             body.poses.iter().try_for_each(|pose| stage.pose(index, pose))?;
         }
-        stage.scene.points.iter().try_for_each(|track| points::log(&stage.stream, track))?;
+        stage.scene.points.iter().try_for_each(|track| film::log_points(&stage.stream, track))?;
         stage.log_lists()?;
         Ok(stage)
     }
@@ -179,4 +188,129 @@ fn by_size() -> ChunkBatcherConfig {
 
 fn recording(scene: &Scene) -> RecordingStreamBuilder {
     RecordingStreamBuilder::new(APPLICATION).recording_name(scene.name.as_str()).enabled(true)
+}
+
+/// Writes messages to a file as they come.
+struct FileSink(Mutex<State>);
+
+struct State {
+    encoder: Encoder<BufWriter<File>>,
+    /// Why nothing is written any more.
+    failure: Option<String>,
+}
+
+impl FileSink {
+    /// A sink into the file at `path`, replacing what is there.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub(crate) fn new(path: &Path) -> io::Result<FileSink> {
+        let file = BufWriter::new(File::create(path)?);
+        let version = re_sdk::build_info().version;
+        let encoder = Encoder::new_eager(version, EncodingOptions::PROTOBUF_COMPRESSED, file);
+        let mut encoder = encoder.map_err(io::Error::other)?;
+        // An index of the messages, which the viewer makes itself and which would hold all of them in memory.
+        encoder.do_not_emit_footer();
+        Ok(FileSink(Mutex::new(State { encoder, failure: None })))
+    }
+
+    /// Does `work` unless an earlier one failed.
+    fn with<E: ToString>(
+        &self,
+        work: impl FnOnce(&mut Encoder<BufWriter<File>>) -> Result<(), E>,
+    ) -> Result<(), String> {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(failure) = &state.failure {
+            return Err(failure.clone());
+        }
+        work(&mut state.encoder).map_err(|error| {
+            let failure = error.to_string();
+            state.failure = Some(failure.clone());
+            failure
+        })
+    }
+}
+
+impl LogSink for FileSink {
+    fn send(&self, message: LogMsg) {
+        // What fails is told by the flush that ends every recording.
+        let _ = self.with(|encoder| encoder.append(&message).map(drop));
+    }
+
+    fn flush_blocking(&self, _timeout: Duration) -> Result<(), SinkFlushError> {
+        self.with(Encoder::flush_blocking).map_err(SinkFlushError::failed)
+    }
+}
+
+/// Address of a viewer, e.g. `rerun+http://127.0.0.1:9876/proxy`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address(ProxyUri);
+
+/// Why a text is not the address of a viewer.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{cause}")]
+pub struct AddressError {
+    cause: String,
+}
+
+impl Address {
+    /// The default address of a viewer.
+    pub const DEFAULT: &str = "rerun+http://127.0.0.1:9876/proxy";
+
+    /// Checks that a viewer listens there.
+    ///
+    /// # Errors
+    /// No connection within `patience`.
+    pub fn answers(&self, patience: Duration) -> io::Result<()> {
+        let origin = &self.0.origin;
+        let places = (origin.host.to_string(), origin.port).to_socket_addrs()?;
+        let mut last = io::Error::from(io::ErrorKind::AddrNotAvailable);
+        for place in places {
+            match TcpStream::connect_timeout(&place, patience) {
+                Ok(_) => return Ok(()),
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+}
+
+impl FromStr for Address {
+    type Err = AddressError;
+
+    fn from_str(text: &str) -> Result<Address, AddressError> {
+        text.parse()
+            .map(Address)
+            .map_err(|error: re_sdk::external::re_uri::Error| AddressError { cause: error.to_string() })
+    }
+}
+
+impl Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_an_error_of_every_flush() {
+        let sink = FileSink::new(Path::new("/dev/full")).unwrap();
+        for _ in 0..2 {
+            let error = sink.flush_blocking(Duration::MAX).unwrap_err().to_string();
+            assert!(error.contains("No space left"), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_address_is_parsed_and_a_closed_port_is_an_error() {
+        let address: Address = Address::DEFAULT.parse().unwrap();
+        assert_eq!(address.to_string(), Address::DEFAULT);
+        assert!("127.0.0.1".parse::<Address>().is_err());
+        let closed: Address = "rerun+http://127.0.0.1:1/proxy".parse().unwrap();
+        assert!(closed.answers(Duration::from_millis(500)).is_err());
+    }
 }
