@@ -1,15 +1,15 @@
-//! The projection of a scene on a picture.
+//! The projection of a scene on a picture, and the directions from which it is seen.
+
+use std::str::FromStr;
 
 use nalgebra::Vector3;
-
-use super::view::View;
 
 /// Distance of the eye from the centre of a scene in perspective, over the largest extent of the scene.
 const DISTANCE: f64 = 2.5;
 
 /// A projection: from metres to units of the picture, right, down and towards the eye.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Camera {
+pub(crate) struct Camera {
     axes: [Vector3<f64>; 3],
     centre: Vector3<f64>,
     /// Of the eye from the centre in perspective, m.
@@ -22,7 +22,7 @@ pub(super) struct Camera {
 
 impl Camera {
     /// The projection in which `points` fill a picture of this size; none without points.
-    pub(super) fn fitting(
+    pub(crate) fn fitting(
         view: View,
         in_perspective: bool,
         points: &[Vector3<f64>],
@@ -49,12 +49,12 @@ impl Camera {
     }
 
     /// The projection on a picture `factor` times as large.
-    pub(super) fn scaled(&self, factor: f64) -> Camera {
+    pub(crate) fn scaled(&self, factor: f64) -> Camera {
         Camera { scale: factor * self.scale, origin: self.origin.map(|place| factor * place), ..*self }
     }
 
     /// Right, down, and a depth that grows towards the eye and is linear along straight lines of the picture.
-    pub(super) fn project(&self, point: &Vector3<f64>) -> [f64; 3] {
+    pub(crate) fn project(&self, point: &Vector3<f64>) -> [f64; 3] {
         let [right, up, near] = self.axes.map(|axis| axis.dot(&(point - self.centre)));
         let (factor, depth) = match self.distance {
             Some(distance) => (distance / (distance - near), distance * distance / (distance - near)),
@@ -65,19 +65,82 @@ impl Camera {
     }
 
     /// The length in m of one in the picture, at the centre.
-    pub(super) fn metres(&self, length: f64) -> f64 {
+    pub(crate) fn metres(&self, length: f64) -> f64 {
         length / self.scale
     }
 
     /// Components of a direction to the right, upwards and towards the eye.
-    pub(super) fn turned(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn turned(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         let [right, up, near] = self.axes.map(|axis| axis.dot(direction));
         Vector3::new(right, up, near)
     }
 
     /// Towards the eye.
-    pub(super) fn near(&self) -> Vector3<f64> {
+    pub(crate) fn near(&self) -> Vector3<f64> {
         self.axes[2]
+    }
+}
+
+/// A direction from which a scene is seen; z points up in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Angle of the eye about z from the front, the side of negative y, towards positive x, rad.
+    pub azimuth: f64,
+    /// Angle of the eye above the horizon, rad.
+    pub elevation: f64,
+}
+
+/// Views with names: azimuth and elevation, degrees.
+const NAMED: [(&str, [f64; 2]); 6] = [
+    ("iso", [35.0, 25.0]),
+    ("front", [0.0, 0.0]),
+    ("side", [90.0, 0.0]),
+    ("top", [0.0, 90.0]),
+    ("bottom", [0.0, -90.0]),
+    ("below", [35.0, -25.0]),
+];
+
+impl View {
+    fn degrees([azimuth, elevation]: [f64; 2]) -> View {
+        View { azimuth: azimuth.to_radians(), elevation: elevation.to_radians() }
+    }
+
+    /// Unit vectors to the right and upwards in the picture, and towards the eye.
+    pub(crate) fn axes(&self) -> [Vector3<f64>; 3] {
+        let [(sin_a, cos_a), (sin_e, cos_e)] = [self.azimuth.sin_cos(), self.elevation.sin_cos()];
+        [
+            Vector3::new(cos_a, sin_a, 0.0),
+            Vector3::new(-sin_e * sin_a, sin_e * cos_a, cos_e),
+            Vector3::new(cos_e * sin_a, -cos_e * cos_a, sin_e),
+        ]
+    }
+}
+
+impl Default for View {
+    fn default() -> View {
+        View::degrees(NAMED[0].1)
+    }
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    /// A name, or azimuth and elevation in degrees, `35/25`.
+    fn from_str(text: &str) -> Result<View, String> {
+        if let Some((_, angles)) = NAMED.iter().find(|(name, _)| *name == text) {
+            return Ok(View::degrees(*angles));
+        }
+        let angle =
+            |text: &str| text.trim().trim_end_matches('°').parse::<f64>().ok().filter(|angle| angle.is_finite());
+        let angles = text.split_once('/').and_then(|(azimuth, elevation)| Some([angle(azimuth)?, angle(elevation)?]));
+        match angles {
+            Some(angles) if angles[1].abs() <= 90.0 => Ok(View::degrees(angles)),
+            Some(_) => Err("the elevation is outside of -90° to 90°".into()),
+            None => {
+                let names = NAMED.map(|(name, _)| name).join(", ");
+                Err(format!("expected {names}, or azimuth and elevation in degrees, such as 35/25"))
+            }
+        }
     }
 }
 
@@ -108,5 +171,22 @@ mod tests {
             assert!((camera.scaled(3.0).project(&a)[0] - 3.0 * from[0]).abs() < 1e-9);
         }
         assert!(Camera::fitting(View::default(), false, &[], [1.0; 2]).is_none());
+    }
+
+    #[test]
+    fn views_look_from_where_their_names_say() {
+        for (text, [right, up, near]) in [
+            ("front", [Vector3::x(), Vector3::z(), -Vector3::y()]),
+            ("side", [Vector3::y(), Vector3::z(), Vector3::x()]),
+            ("top", [Vector3::x(), Vector3::y(), Vector3::z()]),
+            ("-90/0", [-Vector3::y(), Vector3::z(), -Vector3::x()]),
+        ] {
+            let found = text.parse::<View>().expect("a view").axes();
+            let apart = found.iter().zip([right, up, near]).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(apart < 1e-12, "{text}: {found:?}");
+        }
+        for (text, expected) in [("behind", "expected iso, front"), ("10/95", "outside"), ("10/x", "expected iso")] {
+            assert!(text.parse::<View>().expect_err("a mistake").contains(expected), "{text}");
+        }
     }
 }

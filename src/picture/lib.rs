@@ -8,16 +8,11 @@
 mod camera;
 mod drawing;
 pub mod gltf;
-mod normals;
-mod png;
 mod raster;
 mod round;
 mod scene_picture;
 mod setting;
-mod surfaces;
-mod view;
 
-pub use drawing::Drawing;
-pub use png::{FAMILIES, PictureError};
-pub use scene_picture::{Part, ScenePicture};
-pub use view::View;
+pub use crate::camera::View;
+pub use crate::drawing::{Drawing, FAMILIES, PictureError};
+pub use crate::scene_picture::{Part, ScenePicture};

@@ -4,14 +4,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::camera::Camera;
-use super::drawing::{Drawing, Placed};
-use super::normals;
-use super::png::{self, PictureError};
-use super::raster::{Pixels, Triangle};
-use super::round;
-use super::setting::{Setting, Words};
-use super::view::View;
+use crate::camera::{Camera, View};
+use crate::drawing::{self, Drawing, PictureError, Placed};
+use crate::raster::{Pixels, Triangle};
+use crate::round;
+use crate::setting::{Setting, Words};
 use plot::Style;
 use plot::viridis::viridis;
 use report::{Field, RunScene, SceneBody, SceneFace};
@@ -88,7 +85,7 @@ impl ScenePicture<'_> {
     /// # Errors
     /// It has no area or too many pixels, or there is nothing to draw.
     pub fn draw(&self, style: &Style, dpi: f64) -> Result<Drawing, PictureError> {
-        png::check([style.width, style.height].map(|length| Style::pixels(length, dpi)))?;
+        drawing::check([style.width, style.height].map(|length| Style::pixels(length, dpi)))?;
         let setting = Setting::new(style);
         let [left, top, right, bottom] = setting.scene;
         let room = [(right - left).max(1.0), (bottom - top).max(1.0)];
@@ -267,12 +264,12 @@ impl Stage<'_> {
     fn sheet(&self, sheet: &Sheet<'_>, drawn: &[bool], values: &[f32], edge: f32, out: &mut Vec<Triangle>) {
         let Sheet { number, face, points, is_reversed } = *sheet;
         let [low, high] = self.picture.range;
-        let normals = normals::at_corners(points, &face.patches, drawn, CREASES[0]);
+        let normals = round::at_corners(points, &face.patches, drawn, CREASES[0]);
         let patches = face.patches.iter().zip(&normals).zip(drawn).filter(|(_, drawn)| **drawn);
         for ((patch, normals), _) in patches {
             let corners = patch.map(|node| &points[node as usize]);
             let size = (corners[2] - corners[0]).norm().max((corners[3] - corners[1]).norm());
-            let facing = normals::normal(points, *patch).dot(&self.camera.near());
+            let facing = round::normal(points, *patch).dot(&self.camera.near());
             let upward = if is_reversed { -facing } else { facing };
             // Of faces in contact with each other the first is the upper one, seen from either side.
             let under = APART * size * (number + 1) as f64 * upward.signum();
@@ -290,7 +287,7 @@ impl Stage<'_> {
     fn body(&self, body: &SceneBody, pose: &Isometry3<f64>, is_fixed: bool, out: &mut Vec<Triangle>) {
         let points: Vec<Vector3<f64>> = body.points.iter().map(|place| posed(pose, place)).collect();
         let all = vec![true; body.patches.len()];
-        let normals = normals::at_corners(&points, &body.patches, &all, CREASES[1]);
+        let normals = round::at_corners(&points, &body.patches, &all, CREASES[1]);
         let behind = if is_fixed { self.behind } else { 0.0 } * self.camera.near();
         let rounded = body.patches.iter().zip(&normals).flat_map(|(patch, normals)| {
             round::rounded(patch.map(|corner| points[corner as usize]), *normals, patch[2] == patch[3])
