@@ -4,9 +4,11 @@ use std::path::Path;
 
 use clap::Args;
 use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::scenarios::{self, Selection};
-use super::{Failure, Shared, findings, print, print_json};
+use crate::failure::refuse;
+use crate::scenarios::{self, Selection};
+use crate::{Failure, Shared, print_json, print_unless_quiet, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number;
@@ -22,21 +24,6 @@ const DIGITS: usize = 4;
 pub(super) struct CheckArgs {
     #[command(flatten)]
     pub selection: Selection,
-}
-
-/// The mistakes of one file, or what is reported of it without them.
-#[derive(Serialize)]
-struct Verdict {
-    path: String,
-    ok: bool,
-    mistakes: Vec<Mistake>,
-    findings: Vec<Finding>,
-    /// Of the impactors that may turn.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    inertias: Vec<Inertia>,
-    /// Of a scenario that varies.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    variation: Option<Varies>,
 }
 
 /// The keys that vary from run to run of a sweep.
@@ -73,37 +60,28 @@ struct Facts {
 }
 
 /// The facts of a file, or its mistakes.
-type Checked = Result<Facts, Vec<Diagnostic>>;
-
-#[derive(Serialize)]
-struct Mistake {
-    message: String,
-    file: Option<String>,
-    line: Option<usize>,
-    column: Option<usize>,
-    hint: Option<String>,
-}
+type Checked = Result<Facts, Failure>;
 
 pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
     let found = args.selection.each(check)?.into_iter();
     let found: Vec<(String, Checked)> = found.map(|(file, checked)| (shown_path(&file), checked)).collect();
     let mistakes = found.iter().filter_map(|(_, checked)| checked.as_ref().err());
-    let wrong: Vec<Diagnostic> = mistakes.flatten().cloned().collect();
+    let wrong: Vec<Diagnostic> = mistakes.flat_map(|failure| &failure.diagnostics).cloned().collect();
     if shared.json {
-        print_json(&found.into_iter().map(verdict).collect::<Vec<_>>())?;
+        print_json(&found.iter().map(|(path, checked)| verdict(path, checked)).collect::<Vec<_>>())?;
         return if wrong.is_empty() { Ok(()) } else { Err(Failure::from(vec![])) };
     }
     let good = found.iter().filter_map(|(path, checked)| Some((path, checked.as_ref().ok()?)));
     let text = |(path, facts): (&String, &Facts)| {
         let inertias: String = facts.inertias.iter().map(Inertia::line).collect();
         let variation = facts.variation.as_ref().map_or_else(String::new, Varies::lines);
-        format!("ok  {path}\n{inertias}{variation}{}", findings::lines("  ", &facts.findings))
+        format!("ok  {path}\n{inertias}{variation}{}", terminal::findings("  ", &facts.findings))
     };
     let good: String = good.map(text).collect();
-    if !shared.quiet && !good.is_empty() {
-        print(good.trim_end())?;
+    if !good.is_empty() {
+        print_unless_quiet(shared, good.trim_end())?;
     }
-    if wrong.is_empty() { Ok(()) } else { Err(wrong.into()) }
+    refuse(wrong)
 }
 
 /// Checks a scenario or a material.
@@ -170,25 +148,35 @@ impl Inertia {
     }
 }
 
-fn verdict((path, checked): (String, Checked)) -> Verdict {
+/// The mistakes of one file, or what is reported of it without them.
+fn verdict(path: &str, checked: &Checked) -> Value {
+    let none: [Value; 0] = [];
     match checked {
         Ok(Facts { findings, inertias, variation }) => {
-            Verdict { path, ok: true, mistakes: vec![], findings, inertias, variation }
+            let mut verdict = json!({ "path": path, "ok": true, "mistakes": none, "findings": findings });
+            // Of the impactors that may turn, and of a scenario that varies.
+            if !inertias.is_empty() {
+                verdict["inertias"] = json!(inertias);
+            }
+            if let Some(variation) = variation {
+                verdict["variation"] = json!(variation);
+            }
+            verdict
         }
-        Err(mistakes) => {
-            let mistakes = mistakes.iter().map(mistake).collect();
-            Verdict { path, ok: false, mistakes, findings: vec![], inertias: vec![], variation: None }
+        Err(failure) => {
+            let mistakes: Vec<Value> = failure.diagnostics.iter().map(mistake).collect();
+            json!({ "path": path, "ok": false, "mistakes": mistakes, "findings": none })
         }
     }
 }
 
-fn mistake(found: &Diagnostic) -> Mistake {
+fn mistake(found: &Diagnostic) -> Value {
     let start = found.span.as_ref().map(|span| span.start());
-    Mistake {
-        message: found.message.clone(),
-        file: found.span.as_ref().map(|span| span.source.name.clone()),
-        line: start.map(|(line, _)| line),
-        column: start.map(|(_, column)| column),
-        hint: found.hint.clone(),
-    }
+    json!({
+        "message": found.message,
+        "file": found.span.as_ref().map(|span| &span.source.name),
+        "line": start.map(|(line, _)| line),
+        "column": start.map(|(_, column)| column),
+        "hint": found.hint,
+    })
 }

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::faults::{recording, storing};
-use super::scenarios::both;
-use super::{Failure, Shared, digest, expectations, findings, folder, print_figures, table};
+use crate::failure::{all, both, recording, refuse};
+use crate::scenarios;
+use crate::{Failure, Shared, folder, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use report::compare_page;
 use scene::expectation::{Expectations, Given, Outside, Recorded};
@@ -37,9 +37,8 @@ pub(super) struct CompareArgs {
 }
 
 pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
-    let free = free(args).and_then(|()| of_another(args));
-    let bounds = args.within.as_deref().map(|path| expectations::read(path, true)).transpose();
-    let (runs, (bounds, ())) = both(stored(&args.runs), both(bounds, free))?;
+    let bounds = args.within.as_deref().map(|path| scenarios::expectations(path, true)).transpose();
+    let (runs, (bounds, ())) = both(stored(&args.runs), both(bounds, free(args)))?;
     check_signals(&runs, &args.signal)?;
     let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
@@ -50,10 +49,10 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
         let files = folder::fill_comparison(&draft, &comparison, &summary, outside.as_deref())?;
         Ok((draft.publish()?, files))
     });
-    let (place, files) = stored.map_err(|error| Failure::output(storing(&error)))?;
+    let (place, files) = stored.map_err(|error| Failure::unstored(&error))?;
     print_figures(shared, &summary, || {
         let verdict = outside.as_deref().map(verdict).unwrap_or_default();
-        [text(&comparison, args.all), verdict, digest::folder(&place, &files)].concat()
+        [text(&comparison, args.all), verdict, folder::listing(&place, &files)].concat()
     })?;
     match outside.unwrap_or_default().iter().filter(|run| !run.differences.is_empty()).count() {
         0 => Ok(()),
@@ -87,23 +86,17 @@ fn verdict(outside: &[Outside]) -> String {
 }
 
 /// The stored runs; at least two, each once.
-fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Vec<Diagnostic>> {
-    let (mut runs, mut mistakes): (Vec<StoredRun>, Vec<Diagnostic>) = (vec![], vec![]);
-    for (index, place) in places.iter().enumerate() {
-        if places[..index].iter().any(|before| is_same(before, place)) {
-            mistakes.push(Diagnostic::new(format!("{} is given twice", shown_path(place))));
-            continue;
-        }
-        match StoredRun::read(place) {
-            Ok(run) => runs.push(run),
-            Err(error) => mistakes.push(unreadable(&error)),
-        }
-    }
-    if places.len() < 2 {
+fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Failure> {
+    let run = |(index, place): (usize, &PathBuf)| match places[..index].iter().any(|before| is_same(before, place)) {
+        true => Err(Diagnostic::new(format!("{} is given twice", shown_path(place)))),
+        false => StoredRun::read(place).map_err(|error| unreadable(&error)),
+    };
+    let alone = (places.len() < 2).then(|| {
         let mistake = Diagnostic::new("expected two or more runs, found one");
-        mistakes.push(mistake.hint("compare them like this: droptower compare runs/a runs/b"));
-    }
-    if mistakes.is_empty() { Ok(runs) } else { Err(mistakes) }
+        mistake.hint("compare them like this: droptower compare runs/a runs/b")
+    });
+    let (runs, ()) = both(all(places.iter().enumerate().map(run)), refuse(alone))?;
+    Ok(runs)
 }
 
 fn unreadable(error: &StoredRunError) -> Diagnostic {
@@ -120,25 +113,18 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
     }
 }
 
-/// Checks that the results replace neither files of the user nor any of the runs.
-fn free(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
-    let mistake = |mistake: Diagnostic| vec![mistake];
-    store::check_places(std::slice::from_ref(&args.out)).map_err(|error| mistake(storing(&error)))?;
+/// Checks that the results replace neither files of the user nor any of the runs, nor those of other runs or of a script.
+fn free(args: &CompareArgs) -> Result<(), Failure> {
+    store::check_places(std::slice::from_ref(&args.out))?;
     let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
     // A run folder has signals, the folder of a comparison has none.
     let is_run = || args.out.join(run_files::SIGNALS).exists();
     let message = match replaced {
         Some(run) => format!("the results would replace {}, which is compared", shown_path(run)),
         None if is_run() => format!("the results would replace the run {}", shown_path(&args.out)),
-        None => return Ok(()),
+        None => return folder::check(&args.out, args.force, &Origin::of_comparison(&args.runs)),
     };
-    Err(mistake(Diagnostic::new(message).hint("give another --out")))
-}
-
-/// Checks that the results do not replace those of other runs or of a script.
-fn of_another(args: &CompareArgs) -> Result<(), Vec<Diagnostic>> {
-    let checked = if args.force { Ok(()) } else { Origin::of_comparison(&args.runs).check(&args.out) };
-    checked.map_err(|error| vec![storing(&error)])
+    Err(Diagnostic::new(message).hint("give another --out").into())
 }
 
 fn is_same(one: &Path, other: &Path) -> bool {
@@ -172,7 +158,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
             return String::new();
         }
         let header = std::iter::once(words.to_owned()).chain(names.iter().cloned()).collect();
-        table::aligned(&std::iter::once(header).chain(rows).collect::<Vec<_>>(), 1) + "\n"
+        terminal::aligned(&std::iter::once(header).chain(rows).collect::<Vec<_>>(), 1) + "\n"
     };
     let figures = match all {
         true => compare_page::figures(comparison.figures.iter()),
@@ -185,7 +171,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
         ),
         part("figure", figures),
         part("signal, RMS of the difference over that of the first", compare_page::errors(comparison)),
-        findings::lines("  ", &comparison.findings),
+        terminal::findings("  ", &comparison.findings),
     ]
     .concat()
 }

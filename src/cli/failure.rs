@@ -1,9 +1,17 @@
-//! Why a command fails, and its exit status.
+//! Why a command fails, its exit status, and errors of the modules as diagnostics.
 
+use std::fmt::Display;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::ExitCode;
 
-use super::{DiagnosticFormat, print_diagnostics, print_drawing, print_records};
-use base::diagnostic::Diagnostic;
+use crate::{DiagnosticFormat, print_diagnostics, print_drawing, print_records};
+use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use base::file;
+use lab::error::{Error, Kind};
+use study::post::{EvaluateError, PrepareError, ReferenceError};
+use study::script::{Fault, ReadError};
+use study::store::StoreError;
 
 /// The exit status of a command that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,6 +37,11 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
+    /// Results could not be stored.
+    pub(crate) fn unstored(error: &StoreError) -> Failure {
+        Failure::output(Diagnostic::new(error.to_string()))
+    }
+
     /// A file or folder could not be written, or another program failed.
     pub(crate) fn output(diagnostic: Diagnostic) -> Failure {
         Failure { status: ExitStatus::OutputFailed, diagnostics: vec![diagnostic], drawing: None }
@@ -79,6 +92,129 @@ impl From<Vec<Diagnostic>> for Failure {
     fn from(diagnostics: Vec<Diagnostic>) -> Failure {
         Failure { status: ExitStatus::BadInput, diagnostics, drawing: None }
     }
+}
+
+/// Results that cannot be stored.
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Failure {
+        Diagnostic::new(error.to_string()).into()
+    }
+}
+
+/// Both values, or the failures of both.
+pub(crate) fn both<A, B>(
+    a: Result<A, impl Into<Failure>>,
+    b: Result<B, impl Into<Failure>>,
+) -> Result<(A, B), Failure> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (a, b) => {
+            let failures = [a.err().map(Into::into), b.err().map(Into::into)];
+            Err(Failure::all(failures.into_iter().flatten()).unwrap_or_else(Failure::quiet))
+        }
+    }
+}
+
+/// All values, or all failures.
+pub(crate) fn all<T, E: Into<Failure>>(results: impl IntoIterator<Item = Result<T, E>>) -> Result<Vec<T>, Failure> {
+    let (values, failure) = split(results);
+    failure.map_or(Ok(values), Err)
+}
+
+/// The values, and one failure of all that there are.
+pub(crate) fn split<T, E: Into<Failure>>(results: impl IntoIterator<Item = Result<T, E>>) -> (Vec<T>, Option<Failure>) {
+    let (mut values, mut failures) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(value) => values.push(value),
+            Err(error) => failures.push(error.into()),
+        }
+    }
+    (values, Failure::all(failures))
+}
+
+/// Refuses what has mistakes.
+pub(crate) fn refuse(mistakes: impl IntoIterator<Item = Diagnostic>) -> Result<(), Failure> {
+    let mistakes: Vec<Diagnostic> = mistakes.into_iter().collect();
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes.into()) }
+}
+
+/// An error with its hint, where there is one.
+pub(crate) fn hinted(error: &(impl Display + ?Sized), hint: Option<impl Into<String>>) -> Diagnostic {
+    Diagnostic { hint: hint.map(Into::into), ..Diagnostic::new(error.to_string()) }
+}
+
+/// A script fault at its place in the script.
+pub(crate) fn script(fault: &Fault) -> Diagnostic {
+    let source = Source::file(&fault.file, fault.text.to_string());
+    let mistake = Diagnostic::new(fault.message.as_str()).at(&Span::position(&source, fault.line, fault.column));
+    Diagnostic { hint: fault.hint.clone(), ..mistake }
+}
+
+/// A script that cannot start.
+pub(crate) fn reading(error: &ReadError) -> Vec<Diagnostic> {
+    match error {
+        ReadError::Faults(faults) => faults.iter().map(script).collect(),
+        ReadError::Open { source, .. } if source.hint().is_some() => {
+            vec![hinted(error, source.hint())]
+        }
+        other => vec![Diagnostic::new(other.to_string())],
+    }
+}
+
+/// A reference or post script that cannot be used after the run.
+pub(crate) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
+    match error {
+        PrepareError::Script(error) => reading(error),
+        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
+        other => vec![Diagnostic::new(other.to_string())],
+    }
+}
+
+/// A measurement or post script that failed after the run.
+pub(crate) fn evaluating(error: &EvaluateError) -> Diagnostic {
+    match error {
+        EvaluateError::Script(fault) => script(fault),
+        other => Diagnostic::new(other.to_string()),
+    }
+}
+
+/// A refusal of the laboratory, with the line at fault of a recording that cannot be read.
+pub(crate) fn recording(error: &Error) -> Diagnostic {
+    let place = error.place().and_then(|(path, line, column)| Some((line_of(path, line)?, path, line, column)));
+    let mistake = match place {
+        Some((text, path, line, column)) => {
+            let source = Source::excerpt(path, line, text);
+            Diagnostic::new(error.message()).at(&Span::position(&source, 1, column))
+        }
+        None => Diagnostic::new(error.to_string()),
+    };
+    Diagnostic { hint: error.hint().map(str::to_owned), ..mistake }
+}
+
+/// A refusal of what was read of the file at `path`.
+pub(crate) fn content(path: &Path, error: &Error) -> Diagnostic {
+    let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
+    match error.kind() {
+        Kind::NoUnit { unit, .. } => mistake.hint(format!("give it: --unit {unit}")),
+        _ => Diagnostic { hint: error.hint().map(str::to_owned), ..mistake },
+    }
+}
+
+/// Most of a line that a diagnostic shows, bytes.
+const LONGEST_SHOWN: u64 = 4096;
+
+/// The line `number` of a file that may be large; the lines before it are not held in memory.
+fn line_of(path: &Path, number: usize) -> Option<String> {
+    let mut file = BufReader::new(file::open(path).ok()?);
+    for _ in 1..number {
+        file.skip_until(b'\n').ok()?;
+    }
+    let mut line = Vec::new();
+    file.take(LONGEST_SHOWN).read_until(b'\n', &mut line).ok()?;
+    let text = String::from_utf8_lossy(&line);
+    let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+    Some(text.replace(char::is_control, " "))
 }
 
 #[cfg(test)]

@@ -29,26 +29,25 @@ pub(super) struct ShardArgs {
 
 impl ShardArgs {
     /// The part of the runs.
-    pub(super) fn share(&self) -> Result<Share, Vec<Diagnostic>> {
+    pub(super) fn share(&self) -> Result<Share, Failure> {
         let Some(text) = &self.shard else { return Ok(Share::WHOLE) };
         Share::parse(text).ok_or_else(|| {
             let mistake = Diagnostic::new(format!("expected a part of the runs, found \"{text}\""));
-            vec![mistake.hint("the third of sixteen processes is --shard 3/16")]
+            mistake.hint("the third of sixteen processes is --shard 3/16").into()
         })
     }
 
     /// Latest time at which a run may end.
-    pub(super) fn deadline(&self, begin: Instant) -> Result<Option<Instant>, Vec<Diagnostic>> {
+    pub(super) fn deadline(&self, begin: Instant) -> Result<Option<Instant>, Failure> {
         let Some(text) = &self.stop_after else { return Ok(None) };
         let source = Source::unfiled("--stop-after", text.clone());
-        let mistake = |message: String, hint: String| {
-            vec![Diagnostic::new(message).at(&Span::new(&source, 0..text.len())).hint(hint)]
-        };
+        let mistake =
+            |message: String, hint: String| Diagnostic::new(message).at(&Span::new(&source, 0..text.len())).hint(hint);
         let seconds = Time::DIMENSION.parse(text).map_err(|error| mistake(error.to_string(), error.hint()))?;
         let limit = Duration::try_from_secs_f64(seconds).ok().and_then(|limit| begin.checked_add(limit));
         match limit {
             Some(limit) if seconds > 0.0 => Ok(Some(limit)),
-            _ => Err(mistake(format!("no run ends within {text}"), "write it like \"50 min\"".into())),
+            _ => Err(mistake(format!("no run ends within {text}"), "write it like \"50 min\"".into()).into()),
         }
     }
 }

@@ -1,34 +1,18 @@
 //! The command line: one file a command, one failure with its exit status, and the one place that prints.
 #![warn(missing_docs)]
 
-mod argument;
-mod calibrate;
-mod changes;
+mod args;
 mod check;
 mod checkpoint;
-mod codes;
-mod columns;
-mod command_line;
 mod compare;
-mod complete;
-mod digest;
-mod expectations;
+mod deck;
 mod explain;
 mod export;
 mod failure;
 mod farm;
-mod faults;
-mod figures;
-mod film;
-mod findings;
 mod fit;
 mod folder;
-mod given;
-mod forecast;
-mod functions;
-mod import;
 mod list;
-mod man;
 #[cfg_attr(not(feature = "rerun"), path = "live_off.rs")]
 mod live;
 mod live_page;
@@ -36,33 +20,34 @@ mod new;
 mod output;
 mod picture;
 mod progress;
-mod readable;
 mod reduce;
 mod run;
 mod scenarios;
-mod schema;
 mod script;
-mod search;
+mod shell;
+mod shipped;
 mod signal;
 mod store;
 mod sweep;
-mod table;
+mod terminal;
 mod test;
 mod view;
 mod watch;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-#[cfg(unix)]
-use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
-pub(crate) use self::failure::Failure;
 use base::diagnostic::{self, Diagnostic};
 use base::removed;
+
+#[cfg(unix)]
+use std::sync::Arc;
+
+pub(crate) use crate::failure::Failure;
 
 /// A scripted virtual drop tower for thin films and membranes.
 #[derive(Debug, Parser)]
@@ -117,7 +102,7 @@ enum Command {
     /// Run a scenario many times, with the values of its table [variation]
     Sweep(sweep::SweepArgs),
     /// Find the parameters of a film from several tests, how well they are known, and what follows
-    Calibrate(calibrate::CalibrateArgs),
+    Calibrate(script::CalibrateArgs),
     /// Run a Rhai script over scenarios: one of yours, or a shipped one by its name
     Script(script::ScriptArgs),
     /// Check scenarios and materials without running them
@@ -150,13 +135,13 @@ enum Command {
     Export(export::ExportCommand),
     /// Read the films of other solvers as materials: card
     #[command(subcommand)]
-    Import(import::ImportCommand),
+    Import(export::ImportCommand),
     /// Print the JSON Schema of scenarios, or of another kind of file, for editors
-    Schema(schema::SchemaArgs),
+    Schema(shell::SchemaArgs),
     /// Print what lets a shell complete commands, options, keys and scenarios
-    Completions(complete::CompletionsArgs),
+    Completions(shell::CompletionsArgs),
     /// Print the manual page, or write those of all commands
-    Man(man::ManArgs),
+    Man(shell::ManArgs),
     /// List or remove the evaluations that are never computed twice
     #[command(subcommand)]
     Store(store::StoreCommand),
@@ -229,7 +214,7 @@ impl Command {
 
 /// Runs the command that the arguments name; usage errors exit with status 2.
 pub fn main() -> ExitCode {
-    complete::answer(command);
+    shell::answer(command);
     let given = command().try_get_matches().and_then(|matches| Droptower::from_arg_matches(&matches));
     let Droptower { command, shared } = match given {
         Ok(given) => given,
@@ -291,7 +276,7 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Sweep(args) => sweep::run(args, shared),
         Command::Store(command) => store::run(command, shared),
         Command::Check(args) => check::run(args, shared),
-        Command::Schema(args) => schema::run(args),
+        Command::Schema(args) => shell::schema(args),
         Command::Explain(args) => explain::run(args, shared),
         Command::New(args) => new::run(args, shared),
         Command::Compare(args) => compare::run(args, shared),
@@ -299,16 +284,16 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::List(args) => list::run(args, shared),
         Command::View(args) => view::run(args, shared),
         Command::Picture(args) => picture::run(args, shared),
-        Command::Completions(args) => complete::run(args),
-        Command::Man(args) => man::run(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
         Command::Watch(args) => watch::run(args, shared),
-        Command::Calibrate(args) => calibrate::run(args, shared),
+        Command::Calibrate(args) => script::calibrate(args, shared),
         Command::Script(args) => script::run(args, shared),
         Command::Reduce(command) => reduce::run(command, shared),
         Command::Fit(command) => fit::run(command, shared),
         Command::Signal(command) => signal::run(command, shared),
-        Command::Export(command) => export::run(command, shared),
-        Command::Import(command) => import::run(command, shared),
+        Command::Export(command) => export::run_export(command, shared),
+        Command::Import(command) => export::run_import(command, shared),
     }
 }
 
@@ -346,6 +331,11 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints text as [`print`] does, unless `--quiet`.
+pub(crate) fn print_unless_quiet(shared: &Shared, text: &str) -> Result<(), Failure> {
+    if shared.quiet { Ok(()) } else { print(text) }
 }
 
 /// Prints figures as JSON on standard output.

@@ -1,5 +1,6 @@
-//! `droptower list`: the scenarios of a folder.
+//! `droptower list`: the scenarios of a folder; the files below a folder.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -7,13 +8,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Shared, print, print_json, progress, search};
+use crate::{Failure, Shared, print, print_json, progress};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use scene::scenario::{Document, Value};
 use study::store::{self, run_files};
 
 #[derive(Debug, Args)]
-pub(super) struct ListArgs {
+pub(crate) struct ListArgs {
     /// The folder to search; result folders in it are left out
     #[arg(default_value = ".")]
     pub folder: PathBuf,
@@ -28,7 +29,7 @@ struct Listed {
     title: Option<String>,
 }
 
-pub(super) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
+pub(crate) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
     let (results, files): (Vec<_>, Vec<_>) = files(&args.folder)?.into_iter().partition(|file| is_result(file));
     let listed: Vec<Listed> = files.iter().filter_map(|file| listed(file)).collect();
     if shared.json {
@@ -58,7 +59,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
         return Err(Diagnostic::new(format!("{} is not a folder", shown_path(folder))));
     }
     // Folders that others own are no reason to list nothing.
-    let (files, _) = search::below(folder, |name| name.ends_with(".toml"));
+    let (files, _) = below(folder, |name| name.ends_with(".toml"));
     Ok(files)
 }
 
@@ -82,4 +83,95 @@ fn listed(path: &Path) -> Option<Listed> {
         _ => name.clone(),
     };
     Some(Listed { name, path: shown, title: Some(title) })
+}
+
+/// The files whose names are wanted, in the order of their paths, and the folders that cannot be read.
+///
+/// Hidden folders hold what other programs keep, and are left out. Links are followed; a folder to which several lead, also
+/// from below itself, is searched once.
+pub(crate) fn below(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> (Vec<PathBuf>, Vec<Diagnostic>) {
+    let mut search = Search { is_wanted, known: BTreeSet::new(), files: vec![], mistakes: vec![] };
+    search.folder(folder);
+    let Search { mut files, mistakes, .. } = search;
+    files.sort_unstable();
+    (files, mistakes)
+}
+
+struct Search<F> {
+    is_wanted: F,
+    /// Canonical paths of the folders that were searched.
+    known: BTreeSet<PathBuf>,
+    files: Vec<PathBuf>,
+    mistakes: Vec<Diagnostic>,
+}
+
+impl<F: Fn(&str) -> bool> Search<F> {
+    fn folder(&mut self, folder: &Path) {
+        let found = fs::canonicalize(folder).and_then(|own| match self.known.insert(own) {
+            true => entries(folder),
+            false => Ok(vec![]),
+        });
+        let names = found.unwrap_or_else(|error| {
+            self.mistakes.push(Diagnostic::new(format!("cannot read {}: {error}", shown_path(folder))));
+            vec![]
+        });
+        let is_here = folder == Path::new(".");
+        for name in names.iter().filter(|name| !name.starts_with('.')) {
+            let path = if is_here { name.into() } else { folder.join(name) };
+            if path.is_dir() {
+                self.folder(&path);
+            } else if (self.is_wanted)(name) {
+                self.files.push(path);
+            }
+        }
+    }
+}
+
+/// The names in a folder, sorted, so that of several links to a folder the same one is taken; none that is not UTF-8.
+fn entries(folder: &Path) -> io::Result<Vec<String>> {
+    let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
+    let mut names: Vec<String> = names.filter_map(Result::transpose).collect::<io::Result<_>>()?;
+    names.sort_unstable();
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(folder: &Path) -> Vec<String> {
+        let (files, mistakes) = below(folder, |name| name.ends_with(".toml"));
+        assert!(mistakes.is_empty(), "{mistakes:?}");
+        let shown = |file: &PathBuf| file.strip_prefix(folder).expect("below").display().to_string().replace('\\', "/");
+        files.iter().map(shown).collect()
+    }
+
+    #[test]
+    fn hidden_folders_and_other_files_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b/c", ".git", "a"] {
+            fs::create_dir_all(folder.path().join(name)).unwrap();
+        }
+        for name in ["z.toml", "b/c/one.toml", "a/notes.txt", ".git/two.toml", "a/ä.toml"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        assert_eq!(found(folder.path()), ["a/ä.toml", "b/c/one.toml", "z.toml"]);
+        let (files, mistakes) = below(&folder.path().join("none"), |_| true);
+        assert!(files.is_empty() && mistakes[0].message.contains("cannot read"), "{mistakes:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_that_lead_in_a_circle_end() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("a")).unwrap();
+        fs::write(folder.path().join("a/one.toml"), "").unwrap();
+        for name in ["a/x", "a/y"] {
+            symlink("..", folder.path().join(name)).unwrap();
+        }
+        symlink("a", folder.path().join("b")).unwrap();
+        symlink("nowhere", folder.path().join("c")).unwrap();
+        assert_eq!(found(folder.path()), ["a/one.toml"]);
+    }
 }

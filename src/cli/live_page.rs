@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use super::command_line::command_line;
-use super::failure::Failure;
+use crate::failure::Failure;
+use crate::shell::command_line;
 use base::diagnostic::shown_path;
 use base::periodic;
 use report::{PageTime, StudyCall, StudyProgress, StudyState};

@@ -1,4 +1,4 @@
-//! A progress bar over all runs with the remaining time, and a sign of work for commands without runs, on a terminal only.
+//! How far runs and sweeps are: bars on a terminal, events for a program, the time that is left.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -9,12 +9,19 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 
-use base::diagnostic::{self, Diagnostic};
+use crate::Shared;
+use crate::folder::DIGITS;
+use base::diagnostic::{self, Diagnostic, printable, printable_json};
 use base::finding::{Finding, Report};
-use base::number::{duration, figure, wall_time};
+use base::number::{self, duration, figure, grouped, rounded, wall_time};
+use base::units::Time;
 use membrane::engine::Settling;
-use scene::simulate::Progress;
+use scene::mesh::Outline;
+use scene::model::{Model, Symmetry};
+use scene::simulate::{self, Progress, SpringStep};
+use study::sweep::{Event, RemainingWork};
 
 /// Steps of the bar for one run.
 const PER_RUN: f64 = 1000.0;
@@ -24,6 +31,22 @@ const REFRESH: Duration = Duration::from_millis(100);
 
 /// Time after which a command without a bar shows that it works.
 const SOON: Duration = Duration::from_secs(1);
+
+/// A bar of so many steps on standard error; hidden where that is not a terminal, or by wish.
+fn bar(steps: Option<u64>, template: &str, hidden: bool) -> ProgressBar {
+    let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+    let bar = ProgressBar::with_draw_target(steps, target);
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Prints a line above the bar.
+fn print_above(bar: &ProgressBar, text: &str) {
+    // With standard error closed, there is nowhere to print.
+    bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(text))));
+}
 
 /// The end of the sign of work that is shown; it is closed to end it.
 static WORK: Mutex<Option<Work>> = Mutex::new(None);
@@ -35,13 +58,10 @@ struct Work {
 }
 
 /// Shows on a terminal that a command without a bar works, from its first second until [`end_of_work`].
-pub(super) fn begin_work(quiet: bool) {
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
-    if quiet || bar.is_hidden() {
+pub(crate) fn begin_work(quiet: bool) {
+    let bar = bar(None, "{spinner} {elapsed}", quiet);
+    if bar.is_hidden() {
         return;
-    }
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}") {
-        bar.set_style(style);
     }
     let (end, ended) = channel();
     let show = move || {
@@ -59,7 +79,7 @@ pub(super) fn begin_work(quiet: bool) {
 }
 
 /// Removes what [`begin_work`] shows: the command prints now.
-pub(super) fn end_of_work() {
+pub(crate) fn end_of_work() {
     if let Some(Work { end, thread }) = WORK.lock().unwrap_or_else(PoisonError::into_inner).take() {
         drop(end);
         let _ = thread.join();
@@ -67,7 +87,7 @@ pub(super) fn end_of_work() {
 }
 
 /// One bar for all runs.
-pub(super) struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     done: Vec<AtomicU64>,
     /// Progress of resumed runs when they resumed.
@@ -85,12 +105,8 @@ struct Drawn {
 
 impl Bar {
     /// A bar for so many runs on standard error; hidden where that is not a terminal or `quiet`.
-    pub(super) fn new(runs: usize, quiet: bool) -> Bar {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
-        let bar = ProgressBar::with_draw_target(Some((runs as f64 * PER_RUN) as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
-            bar.set_style(style);
-        }
+    pub(crate) fn new(runs: usize, quiet: bool) -> Bar {
+        let bar = bar(Some((runs as f64 * PER_RUN) as u64), "{wide_bar} {percent:>3} %  {msg}", quiet);
         let start = Instant::now();
         let none = || (0..runs).map(|_| AtomicU64::new(0)).collect();
         Bar {
@@ -104,14 +120,14 @@ impl Bar {
     }
 
     /// Sets the share of the run at `index` that was done before it resumed.
-    pub(super) fn start_at(&self, index: usize, share: f64) {
+    pub(crate) fn start_at(&self, index: usize, share: f64) {
         let share = (share.clamp(0.0, 1.0) * PER_RUN) as u64;
         self.before[index].store(share, Ordering::Relaxed);
         self.done[index].store(share, Ordering::Relaxed);
     }
 
     /// Shows the progress of the run at `index`; the bar is redrawn ten times a second at most.
-    pub(super) fn show(&self, index: usize, progress: Progress) {
+    pub(crate) fn show(&self, index: usize, progress: Progress) {
         let share = (progress.time / progress.duration).clamp(0.0, 1.0);
         self.done[index].store((share * PER_RUN) as u64, Ordering::Relaxed);
         // Another run that is drawing the bar includes the progress of this one.
@@ -133,19 +149,19 @@ impl Bar {
     }
 
     /// Wall time since the bar was made.
-    pub(super) fn elapsed(&self) -> Duration {
+    pub(crate) fn elapsed(&self) -> Duration {
         self.start.elapsed()
     }
 
     /// Prints a finding with its severity above the bar, unless `quiet`.
-    pub(super) fn report(&self, report: &impl Report) {
+    pub(crate) fn report(&self, report: &impl Report) {
         if !self.quiet {
             self.print(&format!("{}: {report}", report.code().severity));
         }
     }
 
     /// Prints a finding of the scenario of a run, with its name where there are several, unless `quiet`.
-    pub(super) fn finding(&self, run: &str, finding: &Finding) {
+    pub(crate) fn finding(&self, run: &str, finding: &Finding) {
         let several = self.done.len() > 1;
         if !self.quiet {
             self.print(&if several { format!("{run}: {finding}") } else { finding.to_string() });
@@ -153,7 +169,7 @@ impl Bar {
     }
 
     /// Prints how the run proceeds above the bar, as a note, unless `quiet`.
-    pub(super) fn note(&self, text: &str) {
+    pub(crate) fn note(&self, text: &str) {
         if !self.quiet {
             self.print(&format!("note: {text}"));
         }
@@ -161,22 +177,21 @@ impl Bar {
 
     /// Prints a warning above the bar.
     #[cfg(feature = "rerun")]
-    pub(super) fn warn(&self, text: &str) {
+    pub(crate) fn warn(&self, text: &str) {
         self.print(&format!("warning: {text}"));
     }
 
     /// Prints an error above the bar; the runs continue.
-    pub(super) fn error(&self, mistake: &Diagnostic) {
+    pub(crate) fn error(&self, mistake: &Diagnostic) {
         self.print(&diagnostic::render(std::slice::from_ref(mistake), false));
     }
 
     fn print(&self, text: &str) {
-        // With standard error closed, there is nowhere to print.
-        self.bar.suspend(|| drop(writeln!(io::stderr(), "{}", diagnostic::printable(text))));
+        print_above(&self.bar, text);
     }
 
     /// Removes the bar.
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
@@ -219,8 +234,247 @@ impl Pace {
     }
 }
 
+/// Time between two events.
+const EVERY: Duration = Duration::from_millis(500);
+
+/// One bar, or events, for the runs of a sweep.
+pub(crate) struct SweepBar {
+    bar: ProgressBar,
+    events: bool,
+    quiet: bool,
+    total: usize,
+    started: Instant,
+    state: Mutex<State>,
+}
+
+/// The work that was done so far.
+struct State {
+    cache_hits: usize,
+    computed: usize,
+    failed: usize,
+    refused: usize,
+    /// Runs that other processes have computed meanwhile.
+    elsewhere: usize,
+    /// Runs that were left, and how many were computed here by then; none where all that are not done are left.
+    left: Option<[usize; 2]>,
+    /// When the first run that is not taken from a record was begun.
+    began: Instant,
+    reported: Instant,
+}
+
+impl State {
+    fn done(&self) -> usize {
+        self.cache_hits + self.computed + self.refused
+    }
+
+    /// Runs per second, here and elsewhere, and seconds to go.
+    fn pace(&self, total: usize) -> Option<[f64; 2]> {
+        let elapsed = self.began.elapsed().as_secs_f64();
+        let rate = (self.computed + self.elsewhere) as f64 / elapsed;
+        let open = total - self.done();
+        let left = match self.left {
+            Some([left, by_then]) => open.min(left.saturating_sub(self.computed - by_then)),
+            None => open,
+        };
+        (self.computed > 0 && elapsed > 0.0).then(|| [rate, left as f64 / rate])
+    }
+}
+
+impl SweepBar {
+    /// Of a sweep of `total` runs.
+    pub(crate) fn new(total: usize, shared: &Shared) -> SweepBar {
+        let bar = bar(Some(total as u64), "{wide_bar} {pos}/{len}  {msg}", shared.quiet || shared.json);
+        let now = Instant::now();
+        let state = State {
+            cache_hits: 0,
+            computed: 0,
+            failed: 0,
+            refused: 0,
+            elsewhere: 0,
+            left: None,
+            began: now,
+            reported: now,
+        };
+        SweepBar { bar, events: shared.json, quiet: shared.quiet, total, started: now, state: Mutex::new(state) }
+    }
+
+    /// Shows what became of a run.
+    pub(crate) fn show(&self, event: &Event<'_>) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        match event {
+            Event::Taken(..) => {
+                state.cache_hits += 1;
+                if state.computed == 0 {
+                    state.began = Instant::now();
+                }
+            }
+            Event::Computed(_, evaluation) => {
+                state.computed += 1;
+                state.failed += usize::from(evaluation.failure.is_some());
+            }
+            Event::Left(RemainingWork { left, elsewhere }) => {
+                state.left = Some([*left, state.computed]);
+                state.elsewhere = *elsewhere;
+            }
+            Event::Refused(_, cause) => {
+                state.refused += 1;
+                if state.refused == 1 && !self.quiet && !self.events {
+                    print_above(&self.bar, &format!("warning: a run has no result: {cause}"));
+                }
+            }
+        }
+        let is_last = state.done() == self.total;
+        if state.reported.elapsed() >= EVERY || is_last {
+            state.reported = Instant::now();
+            self.report(&state);
+        }
+    }
+
+    fn report(&self, state: &State) {
+        let pace = state.pace(self.total);
+        if self.events && !self.quiet {
+            let event = json!({
+                "event": "progress",
+                "done": state.done(),
+                "of": self.total,
+                "reused": state.cache_hits,
+                "failed": state.failed + state.refused,
+                "elapsed_s": self.started.elapsed().as_secs_f64(),
+                "runs_per_s": pace.map(|[rate, _]| rate),
+                "to_go_s": pace.map(|[_, to_go]| to_go),
+            });
+            // Whoever follows may have gone.
+            let _ = writeln!(io::stderr(), "{}", printable_json(&event.to_string()));
+        }
+        self.bar.set_position(state.done() as u64);
+        let failed = match state.failed + state.refused {
+            0 => String::new(),
+            failed => format!("  {failed} failed"),
+        };
+        self.bar.set_message(match pace {
+            Some([rate, to_go]) => format!("{} runs/s  {} to go{failed}", figure(rate, 2), wall_time(to_go)),
+            None => failed,
+        });
+    }
+
+    /// Removes the bar.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Wall time from which a forecast is printed, s.
+const LONG: f64 = 60.0;
+
+/// Wall time from which it says what is cheaper, s.
+const COSTLY: f64 = 3600.0;
+
+/// Wall time that is measured before the forecast: the first steps fill caches and curves.
+const MEASURED: Duration = Duration::from_secs(1);
+
+/// Wall time between two checkpoints that the forecast proposes, s.
+const BETWEEN_CHECKPOINTS: f64 = 600.0;
+
+/// Factor on a forecast from which a later one is printed too: film that unloads or tears may shorten the step by orders
+/// of magnitude.
+const LONGER: f64 = 10.0;
+
+/// Measures a run second by second.
+#[derive(Default)]
+pub(crate) struct Forecast {
+    /// Wall time and steps at the start of the present measurement.
+    first: Option<(Duration, u64)>,
+    /// Wall time from which the next forecast is printed, s; none before the first measurement.
+    from: Option<f64>,
+}
+
+/// The rest of a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Left {
+    /// s.
+    wall: f64,
+    /// ns.
+    per_element_step: f64,
+    steps: f64,
+    progress: Progress,
+}
+
+impl Forecast {
+    /// The rest of a run that has taken `wall` so far, if it is long; given after the first second of stepping, and again
+    /// where a later second shows that the run takes [`LONGER`] times as long. The time step is taken as constant;
+    /// yielding film makes it longer.
+    pub(crate) fn update(&mut self, progress: &Progress, wall: Duration) -> Option<Left> {
+        // Equilibrium before the first step has another pace, and its end is not known.
+        if progress.settling.is_some() {
+            return None;
+        }
+        let (before, steps) = *self.first.get_or_insert((wall, progress.steps));
+        if wall - before < MEASURED || progress.steps == steps {
+            return None;
+        }
+        self.first = Some((wall, progress.steps));
+        let per_step = (wall - before).as_secs_f64() / (progress.steps - steps) as f64;
+        let steps = (progress.duration - progress.time).max(0.0) / progress.time_step;
+        let per_element_step = 1e9 * per_step / progress.elements.max(1) as f64;
+        let left = Left { wall: steps * per_step, per_element_step, steps, progress: *progress };
+        // Strictly, or a run without an end would be told of every second.
+        let is_longer = self.from.map_or(left.wall >= LONG, |from| left.wall > from);
+        if is_longer || self.from.is_none() {
+            // A run of less than a minute that is disturbed for a second is not long yet.
+            self.from = Some(LONGER * left.wall.max(LONG));
+        }
+        is_longer.then_some(left)
+    }
+}
+
+impl Left {
+    /// The message of the terminal; `has_checkpoints` is whether the run writes checkpoints.
+    pub(crate) fn message(&self, model: &Model, has_checkpoints: bool) -> String {
+        let Left { wall, per_element_step, steps, progress } = self;
+        let hints = if *wall < COSTLY { vec![] } else { self.cheaper(model, has_checkpoints) };
+        let hints: String = hints.iter().map(|way| format!("\n  {way}")).collect();
+        format!(
+            "{} will take about {}: {} elements, {} steps of {} us to go, {per_element_step:.0} ns per element step{hints}",
+            model.name,
+            wall_time(*wall),
+            grouped(progress.elements as u64),
+            grouped(rounded(*steps, 2) as u64),
+            number::figure(1e6 * progress.time_step, DIGITS),
+        )
+    }
+
+    /// Ways to a shorter run, or to one that may be interrupted.
+    fn cheaper(&self, model: &Model, has_checkpoints: bool) -> Vec<String> {
+        let mut cheaper = vec![];
+        // Mounted once more, which a run that takes so long does not notice.
+        let engine = model.frame.springs.as_ref().and_then(|_| simulate::engine(model).ok());
+        let springs = engine.as_ref().and_then(SpringStep::of_engine).filter(SpringStep::is_much_shorter);
+        if let Some(springs) = springs {
+            let free = number::figure(1e6 * springs.free, DIGITS);
+            cheaper.push(format!("{} makes the step so short: without springs it is {free} us", SpringStep::KEY));
+        } else if model.faces.iter().any(|face| face.meshing.grading.is_some()) {
+            cheaper.push("a larger specimen.mesh.fine takes fewer elements and longer steps".to_owned());
+        } else if !matches!(model.specimen.shape, Outline::Mesh { .. }) {
+            cheaper.push("twice the specimen.mesh.size takes an eighth of the time".to_owned());
+        }
+        if model.specimen.symmetry == Symmetry::None {
+            cheaper.push("specimen.symmetry, where the scene is symmetric, takes a half or a quarter".to_owned());
+        }
+        if !has_checkpoints {
+            let every = rounded(self.progress.duration * BETWEEN_CHECKPOINTS / self.wall, 1);
+            cheaper.push(format!("--checkpoint-every \"{}\" allows it to resume after an interruption", Time(every)));
+        }
+        cheaper
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use scene::model;
+    use scene::scenario::{Assignment, Document};
+
     use super::*;
 
     #[test]
@@ -264,5 +518,66 @@ mod tests {
             assert!((found - expected).abs() < 1e-6, "{found} s to go after {tenths} tenths of a second");
         }
         assert!(pace.marks.len() < 300, "the bar holds the last quarter alone");
+    }
+
+    /// A run of 0.1 s in steps of 1 us over 100 000 elements after so many steps.
+    fn after(steps: u64) -> Progress {
+        let time = 1e-6 * steps as f64;
+        Progress { time, duration: 0.1, steps, time_step: 1e-6, elements: 100_000, settling: None }
+    }
+
+    #[test]
+    fn a_long_run_is_forecast_once_after_a_second() {
+        let mut forecast = Forecast::default();
+        let mut update = |millis, steps| forecast.update(&after(steps), Duration::from_millis(millis));
+        assert!(update(300, 10).is_none());
+        assert!(update(1200, 15).is_none(), "not a second of stepping yet");
+        let left = update(2300, 20).expect("100 000 steps of 0.2 s are long");
+        assert!((left.wall - 0.2 * (100_000.0 - 20.0)).abs() < 1e-6 * left.wall, "{left:?}");
+        assert!((left.per_element_step - 2000.0).abs() < 1e-9);
+        assert!(update(9000, 30).is_none(), "there is one forecast");
+    }
+
+    #[test]
+    fn a_run_whose_step_shrinks_is_forecast_again() {
+        let mut forecast = Forecast::default();
+        let mut update = |millis, progress: Progress| forecast.update(&progress, Duration::from_millis(millis));
+        assert!(update(0, after(1)).is_none());
+        assert!(update(1000, after(10_001)).is_none(), "nine seconds");
+        let shrunk = |steps| Progress { time_step: 1e-11, ..after(steps) };
+        let left = update(2000, shrunk(20_001)).expect("10 000 000 000 steps are long");
+        assert!(left.wall > 1e5, "{left:?}");
+        assert!(update(3000, shrunk(30_001)).is_none(), "there is one forecast for it");
+    }
+
+    #[test]
+    fn springs_that_shorten_the_step_are_named_in_place_of_a_larger_mesh() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/trampoline/bed.toml");
+        let bed = Document::read(&path).expect("a scenario");
+        let message = |change: &str| {
+            let changes = ["specimen.mesh.size=200mm", change];
+            let changes = changes.map(|change| Assignment::from_argument(change).expect("a change"));
+            let model = model::check(&bed.with(&changes)).expect("a model");
+            Left { wall: 2.0 * COSTLY, per_element_step: 1.0, steps: 1.0, progress: after(1) }.message(&model, true)
+        };
+        let (springs, larger) = ("makes the step so short: without springs it is", "twice the specimen.mesh.size");
+        for (change, shortens) in
+            [("frame.springs.stiffness=1000 MN/m", true), ("frame.springs.stiffness=3 kN/m", false)]
+        {
+            let message = message(change);
+            assert_eq!(message.contains(larger), !shortens, "{message}");
+            assert_eq!(message.contains(&format!("frame.springs.stiffness {springs}")), shortens, "{message}");
+        }
+    }
+
+    #[test]
+    fn a_run_of_less_than_a_minute_has_no_forecast() {
+        // 100 000 steps.
+        for (steps_a_second, long) in [(1700, false), (1600, true)] {
+            let mut forecast = Forecast::default();
+            forecast.update(&after(1), Duration::from_millis(200));
+            let left = forecast.update(&after(1 + steps_a_second), Duration::from_millis(1200));
+            assert_eq!(left.is_some(), long, "{steps_a_second} steps a second: {left:?}");
+        }
     }
 }

@@ -7,15 +7,13 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
-use super::farm;
-use super::faults::{evaluating, storing};
-use super::folder::{self, Contents};
-use super::forecast::Forecast;
-use super::live::{self, Show, Viewer};
-use super::progress::Bar;
-use super::scenarios::{Checked, Selection, both};
-use super::{Failure, Shared, digest, print, print_json};
+use crate::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
+use crate::failure::{all, both, evaluating, hinted};
+use crate::folder::{self, Contents};
+use crate::live::{self, Show, Viewer};
+use crate::progress::{Bar, Forecast};
+use crate::scenarios::{Checked, Selection};
+use crate::{Failure, Shared, farm, print_json, print_unless_quiet};
 use base::diagnostic::{Diagnostic, listed, printable, shown_path};
 use base::file;
 use base::number::duration;
@@ -65,7 +63,7 @@ pub(super) struct RunArgs {
 
 /// Vector instructions that a run may have.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum WidthChoice {
+pub(crate) enum WidthChoice {
     /// Those that every processor of the platform has
     Baseline,
     /// 256 bits
@@ -128,7 +126,7 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let viewer = args.live.as_deref().map(live::viewer).transpose();
     let stop = Cancellation::default();
-    let (viewer, Batch { jobs, complete }) = both(viewer.map_err(|mistake| vec![mistake]), batch(args, &stop))?;
+    let (viewer, Batch { jobs, complete }) = both(viewer, batch(args, &stop))?;
     farm::cancel_on_interrupt(stop)?;
     let bar = Bar::new(jobs.len(), shared.quiet);
     complete.iter().for_each(|warning| bar.report(warning));
@@ -154,7 +152,7 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
 }
 
 /// Runs checked scenarios, each into the folder beside it, whatever was there; why one failed, if so.
-pub(super) fn all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<Failure> {
+pub(super) fn run_all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<Failure> {
     let jobs: Vec<Job> =
         runs.into_iter().map(|(checked, place)| Job::plain(checked, place, Cancellation::default())).collect();
     let bar = Bar::new(jobs.len(), shared.quiet);
@@ -185,22 +183,16 @@ struct Batch {
 }
 
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
-fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Vec<Diagnostic>> {
+fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let width = args.width.map(WidthChoice::width).transpose();
-    let options = both(every.map_err(|mistake| vec![mistake]), width.map_err(|mistake| vec![mistake]));
-    let ((every, width), scenarios) = both(options, args.selection.checked())?;
+    let ((every, width), scenarios) = both(both(every, width), args.selection.checked())?;
     let several = scenarios.len() > 1;
     let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
-    let places: Vec<PathBuf> = places.collect::<Result<_, _>>().map_err(|error| vec![storing(&error)])?;
-    store::check_places(&places).map_err(|error| vec![storing(&error)])?;
-    let of_another =
-        |(checked, place): (&Checked, &PathBuf)| Origin::of_run(checked.document.path()).check(place).err();
-    let of_others = scenarios.iter().zip(&places).filter(|_| !args.force).filter_map(of_another);
-    let mistakes: Vec<Diagnostic> = of_others.map(|error| storing(&error)).collect();
-    if !mistakes.is_empty() {
-        return Err(mistakes);
-    }
+    let places: Vec<PathBuf> = places.collect::<Result<_, _>>()?;
+    store::check_places(&places)?;
+    let origin = |(checked, place): (&Checked, &PathBuf)| Origin::of_run(checked.document.path()).check(place);
+    all(scenarios.iter().zip(&places).filter(|_| !args.force).map(origin))?;
     // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
     let resumes = args.resume && several;
     let is_left = |(checked, place): &(Checked, PathBuf)| resumes && is_complete(checked, place);
@@ -211,24 +203,19 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Vec<Diagnostic>> 
         |(checked, folder): (Checked, PathBuf)| checkpoint::Warning::Complete { run: checked.model.name, folder };
     let complete = complete.into_iter().map(left).collect();
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
-    let (mut jobs, mut mistakes) = (Vec::new(), Vec::new());
-    for (checked, place) in rest {
-        match CheckpointWriter::new(policy, &checked, &place) {
-            Ok(writer) => {
-                let cancellation = stop.clone();
-                let (vtu, force) = (args.vtu, args.force);
-                jobs.push(Job { checked, place, writer, vtu, force, width, cancellation });
-            }
-            Err(mistake) => mistakes.push(mistake),
-        }
-    }
+    let job = |(checked, place): (Checked, PathBuf)| -> Result<Job, Diagnostic> {
+        let writer = CheckpointWriter::new(policy, &checked, &place)?;
+        let (vtu, force, cancellation) = (args.vtu, args.force, stop.clone());
+        Ok(Job { checked, place, writer, vtu, force, width, cancellation })
+    };
+    let mut jobs = all(rest.into_iter().map(job))?;
     let every = jobs.iter().find_map(|job| job.writer.as_ref()?.every());
     for Job { checked, writer, .. } in &mut jobs {
         if let (Some(every), Some(writer)) = (every, writer) {
             writer.default_interval(every, checked.model.run_time());
         }
     }
-    if mistakes.is_empty() { Ok(Batch { jobs, complete }) } else { Err(mistakes) }
+    Ok(Batch { jobs, complete })
 }
 
 /// Whether the folder `place` holds the results of the scenario and of the files that it reads as they are now.
@@ -299,8 +286,7 @@ impl Job {
             Ok(Err(RunError::Cancelled)) => Done::failed(Failure::output(self.stopped())),
             Ok(Err(RunError::Failure(failure))) => self.store_failed(&failure, &scenario, show),
             Ok(Err(error)) => {
-                let mistake = Diagnostic::new(format!("{}: {error}", self.checked.model.name));
-                Done::failed(Diagnostic { hint: error.hint(), ..mistake }.into())
+                Done::failed(hinted(&format!("{}: {error}", self.checked.model.name), error.hint()).into())
             }
         };
         // The last checkpoint stays where the results could not be stored or the post script failed: a run resumed from
@@ -413,10 +399,10 @@ impl Job {
         show.finish(Some(&RunPage { model, outcome, results: &results, scenario, failure: None, files: &[] }));
         match stored {
             Ok((place, files)) => {
-                let text = [digest::run(model, outcome, &results), digest::folder(&place, &files)].concat();
+                let text = [folder::summary_of_run(model, outcome, &results), folder::listing(&place, &files)].concat();
                 Done { text, summary: Some(results.summary(model).into()), failure: None, stored: true }
             }
-            Err(error) => Done::failed(Failure::output(storing(&error))),
+            Err(error) => Done::failed(Failure::unstored(&error)),
         }
     }
 
@@ -440,7 +426,7 @@ impl Job {
         });
         let page = |results| RunPage { model, outcome, results, scenario, failure: Some(cause), files: &[] };
         show.finish(results.as_ref().map(page).as_ref());
-        let text = results.as_ref().map_or_else(String::new, |results| digest::failed(model, results));
+        let text = results.as_ref().map_or_else(String::new, |results| folder::summary_of_failed(model, results));
         match stored {
             Ok(place) => {
                 let kept = format!("what was computed before is in {}", place.display());
@@ -448,7 +434,7 @@ impl Job {
                 Done { stored: true, text, ..Done::failed(failure(mistake.clone().hint(hint))) }
             }
             Err(error) => {
-                let failures = [failure(mistake.clone()), Failure::output(storing(&error))];
+                let failures = [failure(mistake.clone()), Failure::unstored(&error)];
                 Done { text, failure: Failure::all(failures), ..Done::default() }
             }
         }
@@ -480,5 +466,5 @@ fn show(done: &[Done], shared: &Shared) -> Result<(), Failure> {
         };
     }
     let text = done.iter().map(|done| done.text.as_str()).collect::<Vec<_>>().concat();
-    if shared.quiet || text.is_empty() { Ok(()) } else { print(text.trim_end()) }
+    if text.is_empty() { Ok(()) } else { print_unless_quiet(shared, text.trim_end()) }
 }

@@ -1,4 +1,4 @@
-//! The scenarios that the arguments name.
+//! The scenarios that the arguments name, and files that say what a run must give.
 
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::changes::Changes;
-use super::complete;
-use super::faults::preparing;
+use crate::args::Changes;
+use crate::explain::{finding, misspelt_finding, similar_finding};
+use crate::failure::{all, both, preparing, refuse};
+use crate::{Failure, shell};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
+use scene::expectation::Expectations;
 use scene::model::{self, Model};
 use scene::scenario::{Assignment, Document};
 use scene::simulate;
@@ -18,9 +20,9 @@ use study::post::Plan;
 
 /// Scenarios, and changes of their keys.
 #[derive(Debug, Args)]
-pub(super) struct Selection {
+pub(crate) struct Selection {
     /// Scenario files or globs
-    #[arg(required = true, value_name = "SCENARIO", add = complete::scenarios())]
+    #[arg(required = true, value_name = "SCENARIO", add = shell::scenarios())]
     pub scenarios: Vec<String>,
     #[command(flatten)]
     pub changes: Changes,
@@ -28,7 +30,7 @@ pub(super) struct Selection {
 
 /// A scenario as written and as checked, with the plan of its results.
 #[derive(Clone, Debug)]
-pub(super) struct Checked {
+pub(crate) struct Checked {
     pub document: Document,
     pub model: Model,
     pub plan: Plan,
@@ -39,28 +41,18 @@ impl Selection {
     ///
     /// # Errors
     /// The mistakes of all scenarios at once.
-    pub(super) fn checked(&self) -> Result<Vec<Checked>, Vec<Diagnostic>> {
-        let (mut checked, mut mistakes) = (Vec::new(), Vec::new());
+    pub(crate) fn checked(&self) -> Result<Vec<Checked>, Failure> {
         let known = RefCell::default();
         let check =
             |path: &Path, assignments: &[Assignment]| known_plan(changed(path, assignments)?, &mut known.borrow_mut());
-        for (_, verdict) in self.each(check)? {
-            match verdict {
-                Ok(scenario) => checked.push(scenario),
-                Err(found) => mistakes.extend(found),
-            }
-        }
-        if mistakes.is_empty() { Ok(checked) } else { Err(mistakes) }
+        all(self.each(check)?.into_iter().map(|(_, verdict)| verdict))
     }
 
     /// Every file with what `check` gives for it.
     ///
     /// # Errors
     /// Mistakes in the arguments themselves.
-    pub(super) fn each<T>(
-        &self,
-        check: impl Fn(&Path, &[Assignment]) -> T,
-    ) -> Result<Vec<(PathBuf, T)>, Vec<Diagnostic>> {
+    pub(crate) fn each<T>(&self, check: impl Fn(&Path, &[Assignment]) -> T) -> Result<Vec<(PathBuf, T)>, Failure> {
         let (files, assignments) = both(files(&self.scenarios), self.changes.assignments())?;
         let checked = |file: PathBuf| {
             let found = check(&file, &assignments);
@@ -71,24 +63,24 @@ impl Selection {
 }
 
 /// A checked scenario, or its mistakes.
-pub(super) type Verdict = Result<Checked, Vec<Diagnostic>>;
+pub(crate) type Verdict = Result<Checked, Failure>;
 
 /// Checks the scenario at `path` with `assignments` applied.
-pub(super) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
+pub(crate) fn check(path: &Path, assignments: &[Assignment]) -> Verdict {
     of_document(changed(path, assignments)?)
 }
 
 /// The scenario at `path` with `assignments` applied.
-pub(super) fn changed(path: &Path, assignments: &[Assignment]) -> Result<Document, Vec<Diagnostic>> {
+pub(crate) fn changed(path: &Path, assignments: &[Assignment]) -> Result<Document, Failure> {
     let document = Document::read(path)?;
     if document.is_material() {
-        return Err(vec![material(path)]);
+        return Err(material(path).into());
     }
     Ok(document.with(assignments))
 }
 
 /// Checks a scenario that was read.
-pub(super) fn of_document(document: Document) -> Verdict {
+pub(crate) fn of_document(document: Document) -> Verdict {
     known_plan(document, &mut Vec::new())
 }
 
@@ -118,15 +110,20 @@ fn material(path: &Path) -> Diagnostic {
 
 /// The files that paths and globs name, each once, in the order of the arguments. A shell expands globs
 /// itself; elsewhere, and in quotes, they are expanded here.
-fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
-    let (mut files, mut known, mut mistakes) = (Vec::new(), HashSet::new(), Vec::new());
-    for pattern in patterns {
-        match matches(pattern) {
-            Ok(found) => files.extend(found.into_iter().filter(|file| known.insert(file.clone()))),
-            Err(mistake) => mistakes.push(mistake),
-        }
-    }
-    if mistakes.is_empty() { Ok(files) } else { Err(mistakes) }
+fn files(patterns: &[String]) -> Result<Vec<PathBuf>, Failure> {
+    each_once(patterns.iter().map(|pattern| matches(pattern)))
+}
+
+/// The files that paths and globs name, each once, in the order of the arguments.
+pub(crate) fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Failure> {
+    each_once(patterns.iter().map(|pattern| expanded(pattern)))
+}
+
+fn each_once(files: impl Iterator<Item = Result<Vec<PathBuf>, Diagnostic>>) -> Result<Vec<PathBuf>, Failure> {
+    let mut known = HashSet::new();
+    let mut files = all(files)?.concat();
+    files.retain(|file| known.insert(file.clone()));
+    Ok(files)
 }
 
 fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
@@ -143,7 +140,7 @@ fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
 }
 
 /// The files that a path or a glob names.
-pub(super) fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
+pub(crate) fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
     if Path::new(pattern).exists() || !pattern.contains(['*', '?', '[']) {
         return Ok(vec![PathBuf::from(pattern)]);
     }
@@ -155,14 +152,21 @@ pub(super) fn expanded(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
     Ok(files)
 }
 
-/// Both values, or the mistakes of both.
-pub(super) fn both<A, B>(
-    a: Result<A, Vec<Diagnostic>>,
-    b: Result<B, Vec<Diagnostic>>,
-) -> Result<(A, B), Vec<Diagnostic>> {
-    match (a, b) {
-        (Ok(a), Ok(b)) => Ok((a, b)),
-        (Err(a), Err(b)) => Err(a.into_iter().chain(b).collect()),
-        (Err(mistakes), _) | (_, Err(mistakes)) => Err(mistakes),
+/// The expectations in the file at `path`. A code that no finding has would never come: it is a mistake, unless scripts may
+/// report codes of their own and it is not close to a known one.
+pub(crate) fn expectations(path: &Path, scripts_report: bool) -> Result<Expectations, Failure> {
+    let document = Document::read_expectations(path)?;
+    let expectations = Expectations::check(&document)?;
+    let lists = [("must", &expectations.must), ("must_not", &expectations.must_not)];
+    let mut mistakes = Vec::new();
+    for (key, codes) in lists {
+        let unknown = codes.iter().filter(|code| *code != "*" && finding(code).is_none());
+        for code in unknown.filter(|code| !scripts_report || misspelt_finding(code).is_some()) {
+            let mistake =
+                Diagnostic::new(format!("there is no finding `{code}`")).at(&document.span_of(&["warnings", key]));
+            let hint = similar_finding(code).unwrap_or_else(|| "`droptower explain findings` lists them".into());
+            mistakes.push(mistake.hint(hint));
+        }
     }
+    refuse(mistakes).map(|()| expectations)
 }

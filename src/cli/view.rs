@@ -9,6 +9,7 @@ use clap::Args;
 
 use super::Failure;
 use super::Shared;
+use crate::failure::all;
 use base::diagnostic::{Diagnostic, printable, shown_path};
 use study::store::run_files;
 
@@ -31,14 +32,8 @@ const INSTALL: &str = "`pip install \"droptower[viewer]\"`, `pip install rerun-s
 
 /// Opens the recordings and waits until the viewer is closed.
 pub(super) fn run(args: &ViewArgs, shared: &Shared) -> Result<(), Failure> {
-    let found = args.runs.iter().map(|run| recording(run));
-    let (recordings, mistakes): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
-    let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
-    if !mistakes.is_empty() {
-        return Err(mistakes.into());
-    }
-    let recordings = recordings.into_iter().filter_map(Result::ok);
-    open(&program(args), recordings, shared.quiet)
+    let recordings = all(args.runs.iter().map(|run| recording(run)))?;
+    open(&program(args), &recordings, shared.quiet)
 }
 
 /// The recording of a run.
@@ -82,7 +77,7 @@ fn beside() -> Option<OsString> {
     viewer.is_file().then(|| viewer.into_os_string())
 }
 
-fn open(program: &OsString, recordings: impl Iterator<Item = PathBuf>, quiet: bool) -> Result<(), Failure> {
+fn open(program: &OsString, recordings: &[PathBuf], quiet: bool) -> Result<(), Failure> {
     let version = version(program)?;
     if !quiet && !is_supported(&version) {
         let text = format!("warning: recordings are written for the Rerun viewer {VERSION}, this is {version}");

@@ -1,9 +1,10 @@
-//! Plots of a page: the data that its script draws, and a description for screen readers.
+//! Plots of a page: the data that its script draws, a description for screen readers, and values with their intervals.
 
 use serde_json::{Value, json};
 
-use super::html::{data, escape};
+use crate::html::{data, escape};
 use base::number::{rounded, significant};
+use base::written;
 use plot::{Axis, Curve, Look, Mark, Plot, Scale};
 use study::post::Histogram;
 
@@ -11,15 +12,15 @@ use study::post::Histogram;
 const MOST_POINTS: usize = 2000;
 
 /// Significant digits of a point: finer than the pixels of a screen.
-pub(super) const DIGITS: usize = 6;
+pub(crate) const DIGITS: usize = 6;
 
 /// The plot as an HTML figure that the page's script draws; empty where no curve has a point.
-pub(super) fn figure(plot: &Plot) -> String {
+pub(crate) fn figure(plot: &Plot) -> String {
     block(plot, false)
 }
 
 /// The plot as a figure whose curves are filled down to zero, such as a histogram.
-pub(super) fn filled(plot: &Plot) -> String {
+pub(crate) fn filled(plot: &Plot) -> String {
     block(plot, true)
 }
 
@@ -29,17 +30,17 @@ pub fn figures<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
 }
 
 /// Plots side by side, so small that four fit beside each other on a desktop.
-pub(super) fn small<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+pub(crate) fn small<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
     small_figures(plots.into_iter().map(figure))
 }
 
 /// Plots side by side, three on a desktop.
-pub(super) fn medium<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
+pub(crate) fn medium<'a>(plots: impl IntoIterator<Item = &'a Plot>) -> String {
     of_size("medium", &figures(plots))
 }
 
 /// Figures (HTML) side by side, as small as those of [`small`]; empty without figures.
-pub(super) fn small_figures(figures: impl IntoIterator<Item = String>) -> String {
+pub(crate) fn small_figures(figures: impl IntoIterator<Item = String>) -> String {
     of_size("small", &side_by_side(figures))
 }
 
@@ -49,13 +50,13 @@ fn of_size(class: &str, plots: &str) -> String {
 }
 
 /// Figures (HTML) side by side; empty without figures.
-pub(super) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String {
+pub(crate) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String {
     let figures: String = figures.into_iter().collect();
     if figures.is_empty() { figures } else { format!("<div class=\"plots\">\n{figures}</div>\n") }
 }
 
 /// The histogram of strain rates over decades with the measured range marked; empty without strain increments.
-pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
+pub(crate) fn rates(title: &str, histogram: &Histogram) -> String {
     let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
     let shown: Vec<_> = bins.filter(|(_, share)| **share > LEAST_SHARE).collect();
     let (Some((first, _)), Some((last, _))) = (shown.first(), shown.last()) else {
@@ -77,7 +78,7 @@ pub(super) fn rates(title: &str, histogram: &Histogram) -> String {
 const LEAST_SHARE: f64 = 1e-3;
 
 /// Class of the figures that the page's script draws.
-pub(super) const PLOT: &str = "plot";
+pub(crate) const PLOT: &str = "plot";
 
 fn block(plot: &Plot, filled: bool) -> String {
     let shown = |point: &&[f64; 2]| plot.has_place(point);
@@ -147,10 +148,105 @@ fn contents(plot: &Plot, filled: bool) -> Value {
     })
 }
 
+/// A line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Line {
+    /// What it is.
+    pub words: String,
+    /// Shown on hover, such as the whole key.
+    pub title: String,
+    /// The value; none where it is not distinguishable from zero, or open.
+    pub value: Option<f64>,
+    /// Its interval; an end that is open is that of the axis.
+    pub interval: Option<[f64; 2]>,
+    /// A value that it is compared with, and what that is.
+    pub mark: Option<(f64, String)>,
+    /// The value in words.
+    pub text: String,
+}
+
+/// How values are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RangeLook {
+    /// From zero.
+    Bars,
+    /// Alone.
+    Dots,
+}
+
+/// Share of the axis beyond the outermost values.
+const MARGIN: f64 = 0.04;
+
+/// The ends of an axis that has all values, intervals and marks, and of bars zero.
+fn axis(look: RangeLook, lines: &[Line]) -> [f64; 2] {
+    let of = |line: &Line| {
+        [line.value, line.mark.as_ref().map(|mark| mark.0)]
+            .into_iter()
+            .flatten()
+            .chain(line.interval.into_iter().flatten())
+            .collect::<Vec<_>>()
+    };
+    let zero = (look == RangeLook::Bars).then_some(0.0);
+    let all = lines.iter().flat_map(of).chain(zero).filter(|value| value.is_finite());
+    let [low, high] =
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let margin = if high > low { MARGIN * (high - low) } else { 0.5 * high.abs().max(1.0) };
+    let end = |value: f64, margin: f64| if look == RangeLook::Bars && value == 0.0 { 0.0 } else { value + margin };
+    [end(low, -margin), end(high, margin)]
+}
+
+/// The lines below a heading (text), on an axis of their own; empty without lines.
+pub(crate) fn ranges(heading: &str, look: RangeLook, lines: &[Line]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let [low, high] = axis(look, lines);
+    let place = |value: f64| format!("{:.2}%", 100.0 * ((value - low) / (high - low)).clamp(0.0, 1.0));
+    let width = |from: f64, to: f64| format!("left:{};right:calc(100% - {})", place(from.min(to)), place(from.max(to)));
+    let drawn = |line: &Line| {
+        let bar = line.value.filter(|_| look == RangeLook::Bars).map(|value| {
+            let class = if value < 0.0 { "bar minus" } else { "bar" };
+            format!("<i class=\"{class}\" style=\"{}\"></i>", width(0.0, value))
+        });
+        let whisker =
+            line.interval.map(|[from, to]| format!("<i class=\"whisker\" style=\"{}\"></i>", width(from, to)));
+        let dot = line
+            .value
+            .filter(|_| look == RangeLook::Dots)
+            .map(|value| format!("<i class=\"dot\" style=\"left:{}\"></i>", place(value)));
+        let mark = line.mark.as_ref().map(|(value, what)| {
+            format!("<i class=\"mark\" style=\"left:{}\" title=\"{}\"></i>", place(*value), escape(what))
+        });
+        [bar, whisker, mark, dot].into_iter().flatten().collect::<String>()
+    };
+    let item = |line: &Line| {
+        let (words, title, text) = (escape(&line.words), escape(&line.title), escape(&line.text));
+        format!(
+            "<li><span class=\"words\" title=\"{title}\">{words}</span><span class=\"track\" aria-hidden=\"true\">{}</span>\
+             <span class=\"said\">{text}</span></li>\n",
+            drawn(line)
+        )
+    };
+    let items: String = lines.iter().map(item).collect();
+    let ends = match look {
+        RangeLook::Bars => String::new(),
+        RangeLook::Dots => {
+            let ends = [low, 0.5 * (low + high), high].map(|value| format!("<span>{}</span>", written::digits(value)));
+            format!("<p class=\"axis\" aria-hidden=\"true\"><span class=\"ends\">{}</span></p>\n", ends.concat())
+        }
+    };
+    let heading = if heading.is_empty() { String::new() } else { format!("<h3>{}</h3>\n", escape(heading)) };
+    format!("<div class=\"ranges\">\n{heading}<ul>\n{items}</ul>\n{ends}</div>\n")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
     use plot::Window;
+
+    use super::*;
 
     fn plot(points: Vec<[f64; 2]>) -> Plot {
         Plot::new("A & B", ["time (ms)", "travel (mm)"], vec![Curve::line("</script><film>", points)])
@@ -217,5 +313,40 @@ mod tests {
         assert_eq!(block(&html)["window"]["words"], "error window");
         assert!(html.contains("contact &lt;1&gt; at 0.5"), "{html}");
         assert!(html.contains("marked: error window, 0 to 57.3"), "{html}");
+    }
+
+    #[test]
+    fn bars_begin_at_zero_and_texts_are_escaped() {
+        let line = |value: f64| Line {
+            words: "<k1>".into(),
+            title: "a.b".into(),
+            value: Some(value),
+            interval: Some([value - 1.0, value + 1.0]),
+            text: "3 %".into(),
+            ..Line::default()
+        };
+        let html = ranges("effects", RangeLook::Bars, &[line(9.0), line(-9.0)]);
+        assert!(
+            html.contains("&lt;k1&gt;") && html.contains("class=\"bar minus\"") && !html.contains("axis"),
+            "{html}"
+        );
+        assert!(html.contains("left:50.00%;right:calc(100% - 91.67%)"), "{html}");
+        assert_eq!(ranges("", RangeLook::Bars, &[]), "");
+    }
+
+    #[test]
+    fn dots_have_an_axis_and_what_they_are_compared_with() {
+        let line = Line {
+            value: Some(2.0),
+            interval: Some([1.0, 3.0]),
+            mark: Some((5.0, "truth 5".into())),
+            ..Line::default()
+        };
+        let html = ranges("k1", RangeLook::Dots, &[line]);
+        assert!(
+            html.contains("title=\"truth 5\"") && html.contains("class=\"dot\"") && html.contains("class=\"axis\"")
+        );
+        assert_eq!(axis(RangeLook::Dots, &[Line { value: Some(2.0), ..Line::default() }]), [1.0, 3.0]);
+        assert_eq!(axis(RangeLook::Dots, &[]), [0.0, 1.0]);
     }
 }

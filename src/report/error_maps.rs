@@ -105,7 +105,7 @@ fn over_time(field: &FieldComparison, value: impl Fn(&StateErrors) -> f64) -> Ve
 }
 
 fn rows(field: &FieldComparison) -> String {
-    let header = ["time (ms)", "points", "not matched", "root mean square (mm)", "largest (mm)"].map(String::from);
+    let header = ["time (ms)", "points", "not matched", "root mean square (mm)", "largest (mm)"];
     let row = |state: &StateErrors| {
         vec![
             significant(state.time * 1e3, 6),

@@ -1,18 +1,23 @@
-//! Figures in words with a rounded number and a unit.
+//! Figures in words with a rounded number and a unit, and the key figures at the top of a page.
 
 use serde_json::{Map, Value};
 
-use super::html::escape;
+use crate::html::{self, Card, escape};
 use base::diagnostic::steers;
-use base::number;
+use base::number::{self, duration, significant};
 use base::units::{STANDARD_GRAVITY, Unit, printed};
 use base::written::LINE_FORCES;
+use scene::model::Model;
+use study::post::{
+    BodyFigures, HEADLINES, Headline, LEAST_SHARE, Measures, Results, TestKind, descends, headlines_of, is_too_coarse,
+    reached,
+};
 
 /// Standard gravity, m/s²: decelerations are shown in multiples of it.
 pub const G: f64 = STANDARD_GRAVITY;
 
 /// Significant digits of a figure or of a cell of a table.
-pub(super) const DIGITS: usize = 4;
+pub(crate) const DIGITS: usize = 4;
 
 /// One line of a table of figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,7 +55,7 @@ impl Figure {
 }
 
 /// Figures as a table of HTML; each row carries the name and the full value as data attributes.
-pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
+pub(crate) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
     let row = |(name, value): (&String, &Value)| {
         let cells = Figure::from_value(name, value)?.cells().map(|cell| escape(&cell));
         let (name, value) = (escape(name), escape(&value.to_string()));
@@ -65,7 +70,7 @@ pub(super) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
 }
 
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
-pub(super) fn named(name: &str) -> (String, String) {
+pub(crate) fn named(name: &str) -> (String, String) {
     let force = LINE_FORCES.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, (*unit).to_owned())));
     let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
     match force.or_else(other) {
@@ -84,7 +89,7 @@ pub fn markdown(summary: &Map<String, Value>) -> String {
 }
 
 /// `text` with everything that Markdown would read as markup escaped.
-pub(super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {
@@ -97,10 +102,111 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
+/// Of a drop that was recorded: of a run it is an input.
+const IMPACT_SPEED: Headline = Headline {
+    test: None,
+    name: "impact_velocity_m_s",
+    words: "impact speed",
+    factor: 1.0,
+    unit: "m/s",
+    at: None,
+    judges: false,
+};
+
+/// Cards of the figures of a drop that was recorded; empty where there are none.
+pub(crate) fn of_drop(figures: &Map<String, Value>) -> String {
+    let all = std::iter::once(&IMPACT_SPEED).chain(TestKind::Impact.headlines());
+    let cards: String = all.filter_map(|headline| card(headline, headline.words, "", figures)).collect();
+    html::cards(&cards)
+}
+
+/// Cards of the key figures in `summary`, that of `results`, and whether the film held; the run has `failed` or not.
+pub(crate) fn cards(model: &Model, results: &Results, failed: bool, summary: &Map<String, Value>) -> String {
+    let bodies: &[BodyFigures] = match &results.measures {
+        Measures::Impact(impact) => &impact.bodies,
+        _ => &[],
+    };
+    let named = bodies.iter().map(|body| body.prefix.as_str()).filter(|prefix| !prefix.is_empty());
+    let own = named.chain([""]).flat_map(|prefix| {
+        let words = |headline: &Headline| headline.words_of(descends(results, prefix));
+        let card = |headline: &'static Headline| card(headline, words(headline), prefix, summary);
+        headlines_of(model, results, prefix).filter_map(card).collect::<Vec<_>>()
+    });
+    let is_shown = |headline: &&Headline| headline.test.is_none() && !(headline.name == TORN && holds(summary));
+    let others = HEADLINES.iter().filter(is_shown).filter_map(|headline| card(headline, headline.words, "", summary));
+    let unmet = bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix));
+    let cards: String = own.chain(others).chain(unmet).collect();
+    let film = film(summary, failed, is_too_coarse(results));
+    // A film that ruptured is what a reader asks for first.
+    let [first, last] =
+        if summary.contains_key(RUPTURE) && !summary[RUPTURE].is_null() { [&film, &cards] } else { [&cards, &film] };
+    html::cards(&[first.as_str(), last].concat())
+}
+
+/// When film first broke.
+const RUPTURE: &str = "rupture_time_s";
+
+/// Of film that tears: how far, which may be short of its end.
+const TORN: &str = "torn_length_m";
+
+/// Whether no film is torn.
+fn holds(summary: &Map<String, Value>) -> bool {
+    summary.get(TORN).and_then(Value::as_f64).is_none_or(|length| length == 0.0)
+}
+
+/// The card of an impactor that never met the film; `prefix` begins the names of its figures.
+fn not_met(prefix: &str) -> String {
+    Card { words: owner(prefix) + "contact with the film", value: "none", ..Card::default() }.html()
+}
+
+/// Whose figures have names that begin with `prefix`, before their words; empty of a single impactor.
+fn owner(prefix: &str) -> String {
+    prefix.strip_suffix('_').map_or_else(String::new, |body| format!("{}: ", escape(body)))
+}
+
+/// The card of a figure whose name begins with `prefix`, where the summary has it.
+fn card(headline: &Headline, words: &str, prefix: &str, summary: &Map<String, Value>) -> Option<String> {
+    let Headline { name, factor, unit, at, .. } = headline;
+    let number = |name: &str| summary.get(&format!("{prefix}{name}"))?.as_f64();
+    let value = number(name)?;
+    // A letter behind `_` is a subscript.
+    let words = words.split_once('_').map_or(words.into(), |(before, index)| format!("{before}<sub>{index}</sub>"));
+    let beside = at.and_then(|at| Some(reached(at, number(at)?))).unwrap_or_default();
+    let shown = if *unit == "%" && (value * factor).abs() < LEAST_SHARE {
+        format!("&lt; {LEAST_SHARE}")
+    } else {
+        number_of(value * factor)
+    };
+    let attributes = format!(" data-figure=\"{prefix}{name}\" data-value=\"{value}\" data-factor=\"{factor}\"");
+    let words = [owner(prefix), words].concat();
+    Some(Card { attributes, words, value: &shown, unit, beside: &beside, title: "" }.html())
+}
+
+/// Four significant digits, as short as they can be written.
+fn number_of(value: f64) -> String {
+    let small = value != 0.0 && value.abs() < 1e-3;
+    let text = if small { number::figure(value, DIGITS) } else { significant(value, DIGITS) };
+    text.replace('-', "\u{2212}")
+}
+
+/// Whether the film ruptured, and when; of a failed run, that it held until then.
+fn film(summary: &Map<String, Value>, failed: bool, is_coarse: bool) -> String {
+    let rupture = summary.get(RUPTURE).and_then(Value::as_f64);
+    let (shown, beside) = match rupture {
+        Some(time) => ("ruptured", format!("at {}", duration(time))),
+        None if failed => ("held", "until the run failed".into()),
+        None if is_coarse => ("not told", "elements too coarse".into()),
+        None => ("held", String::new()),
+    };
+    Card { words: "film".into(), value: shown, beside: &beside, ..Card::default() }.html()
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;
     use std::path::Path;
+
+    use serde_json::json;
 
     use super::*;
 
@@ -155,5 +261,35 @@ mod tests {
             "{}",
             markdown(summary.as_object().unwrap())
         );
+    }
+
+    #[test]
+    fn a_card_shows_the_figure_in_its_unit_and_names_it_in_full() {
+        let summary = json!({ "peak_displacement_m": -0.169854473, "time_of_peak_displacement_s": 0.0573 });
+        let [peak, lowest] = [0, 1].map(|at| &HEADLINES[at]);
+        let html = card(lowest, lowest.words, "", summary.as_object().unwrap()).unwrap();
+        assert!(html.contains("data-figure=\"peak_displacement_m\" data-value=\"-0.169854473\" data-factor=\"1000\""));
+        assert!(html.contains("\u{2212}169.9</span> <span class=\"unit\">mm") && html.contains("at 57.3 ms"), "{html}");
+        assert_eq!(card(peak, peak.words, "", &Map::new()), None);
+    }
+
+    #[test]
+    fn the_film_of_a_failed_run_held_until_it_failed() {
+        let whole = film(&Map::new(), false, false);
+        assert!(whole.contains("held") && !whole.contains("run failed"));
+        assert!(film(&Map::new(), true, false).contains("until the run failed"));
+        assert!(film(&Map::new(), false, true).contains("too coarse"));
+        let ruptured = json!({ "rupture_time_s": 0.04 });
+        assert!(
+            film(ruptured.as_object().unwrap(), true, true)
+                .contains("ruptured</span><span class=\"beside\">at 40.0 ms")
+        );
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, expected) in [(1.37e-9, "1.370e-9"), (0.0, "0"), (15.1, "15.1"), (-0.02091, "-0.02091")] {
+            assert_eq!(number_of(value), expected.replace('-', "\u{2212}"));
+        }
     }
 }

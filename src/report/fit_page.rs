@@ -1,7 +1,7 @@
 //! The page of a fit: its figures, measured and fitted curves, residuals, and what it reports.
 
 use super::drawn;
-use super::html::{self, escape};
+use super::html;
 use base::finding::Finding;
 use plot::{Correlation, Plot};
 
@@ -30,25 +30,22 @@ pub struct FitTable {
     /// How many columns at the left are text; the others are numbers.
     pub texts: usize,
     /// Names of the columns.
-    pub columns: Vec<String>,
+    pub columns: &'static [&'static str],
     /// Cells.
     pub rows: Vec<Vec<String>>,
 }
 
 /// The page of a fit.
 pub fn fit_page(fit: &FitPage<'_>) -> String {
-    let table = |table: &FitTable| {
-        html::section(table.title, &html::table_of_numbers(table.texts, &table.columns, &table.rows))
-    };
+    let table =
+        |table: &FitTable| html::section(table.title, &html::table_of_numbers(table.texts, table.columns, &table.rows));
     let matrix = fit.correlation.as_ref().map(|one| html::matrix(&one.title, &one.names, &one.rows));
-    let body = [
-        format!("<h1>{}</h1>\n", escape(fit.title)),
+    let parts = [
         html::findings(Vec::new(), fit.findings),
         fit.tables.iter().map(table).collect(),
         html::section("Curves", &drawn::figures(&fit.plots)),
         html::section("Correlations", &matrix.unwrap_or_default()),
         html::section("Material", &fit.material.map(html::verbatim).unwrap_or_default()),
-        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    html::page(fit.title, &body.concat())
+    html::finished(fit.title, "", &parts)
 }

@@ -1,4 +1,4 @@
-//! The HTML of a page, and the escaping of text in it.
+//! The HTML of a page: its frame, the escaping of text in it, tables and lists.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -11,12 +11,14 @@ use sha2::{Digest, Sha256};
 
 use base::diagnostic::steers;
 use base::finding::Finding;
-pub(super) use base::markup::escape;
+use base::written::Reading;
 use plot::viridis::VIRIDIS;
 use study::codes;
 
+pub(super) use base::markup::escape;
+
 /// The figure of a finding that names its test.
-pub(super) const TEST: &str = "test";
+pub(crate) const TEST: &str = "test";
 
 const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
 
@@ -53,7 +55,7 @@ fn policy(scripts: &[&str]) -> String {
 }
 
 /// The text that [`escape`] made `html` of.
-pub(super) fn unescape(html: &str) -> String {
+pub(crate) fn unescape(html: &str) -> String {
     // The ampersand comes last: else `&amp;lt;`, the text `&lt;`, would become a bracket.
     let text = html.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&#39;", "'");
     text.replace("&amp;", "&")
@@ -64,14 +66,71 @@ pub fn page(title: &str, body: &str) -> String {
     whole(title, body, &POLICY, &STYLES.concat(), &SCRIPTS.each_ref().map(String::as_str))
 }
 
+/// A whole page with a heading, what it answers (text; empty of a page without an answer), its parts (HTML) and its foot.
+pub(crate) fn finished(title: &str, answer: &str, parts: &[String]) -> String {
+    page(title, &framed(title, answer, parts))
+}
+
+/// Parts (HTML) of a page below its heading and its answer, above its foot.
+pub(crate) fn framed(title: &str, answer: &str, parts: &[String]) -> String {
+    let answer = if answer.is_empty() { String::new() } else { format!("<p class=\"lead\">{}</p>\n", escape(answer)) };
+    let version = env!("CARGO_PKG_VERSION");
+    format!("<h1>{}</h1>\n{answer}{}<footer>droptower {version}</footer>\n", escape(title), parts.concat())
+}
+
+/// A paragraph (text) in small letters.
+pub(crate) fn note(text: &str) -> String {
+    format!("<p class=\"note\">{}</p>\n", escape(text))
+}
+
+/// Blocks (HTML) beside each other, above a note (text); empty without blocks.
+pub(crate) fn blocks(blocks: &str, below: &str) -> String {
+    if blocks.is_empty() { String::new() } else { format!("<div class=\"blocks\">\n{blocks}</div>\n{}", note(below)) }
+}
+
+/// A figure in large letters.
+#[derive(Default)]
+pub(crate) struct Card<'a> {
+    /// Attributes of its element, each after a space (HTML).
+    pub attributes: String,
+    /// What it is (HTML), and what is shown on hover (text).
+    pub words: String,
+    pub title: &'a str,
+    /// HTML.
+    pub value: &'a str,
+    pub unit: &'a str,
+    /// What the value belongs to (text).
+    pub beside: &'a str,
+}
+
+impl Card<'_> {
+    pub(crate) fn html(&self) -> String {
+        let Card { attributes, words, value, .. } = self;
+        let title = if self.title.is_empty() { String::new() } else { format!(" title=\"{}\"", escape(self.title)) };
+        let span = |before: &str, class: &str, text: &str| match text {
+            "" => String::new(),
+            text => format!("{before}<span class=\"{class}\">{}</span>", escape(text)),
+        };
+        let (unit, beside) = (span(" ", "unit", self.unit), span("", "beside", self.beside));
+        format!(
+            "<li{attributes}><span class=\"words\"{title}>{words}</span><span class=\"value\">{value}</span>{unit}{beside}</li>\n"
+        )
+    }
+}
+
+/// Cards (HTML) in rows; empty without cards.
+pub(crate) fn cards(cards: &str) -> String {
+    if cards.is_empty() { String::new() } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+}
+
 /// A whole page that renews itself while what it shows goes on.
-pub(super) fn living_page(title: &str, body: &str) -> String {
+pub(crate) fn living_page(title: &str, body: &str) -> String {
     let styles = [&STYLES[..], &[include_str!("page/progress.css")]].concat().concat();
     whole(title, body, &LIVING_POLICY, &styles, &*LIVING)
 }
 
 /// A page that leads at once to the one at `address`, which is relative and needs no escape.
-pub(super) fn leading_page(title: &str, address: &str) -> String {
+pub(crate) fn leading_page(title: &str, address: &str) -> String {
     let (title, address) = (escape(title), escape(address));
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -100,7 +159,7 @@ fn whole(title: &str, body: &str, policy: &str, styles: &str, scripts: &[&str]) 
 }
 
 /// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
-pub(super) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
+pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let (open, own): (Vec<&Finding>, Vec<&Finding>) =
         findings.into_iter().partition(|finding| codes::left_open(&finding.code).is_some());
     let (warned, noted): (Vec<&Finding>, Vec<&Finding>) = own.into_iter().partition(|finding| finding.is_warning());
@@ -162,20 +221,20 @@ fn with_code(finding: &Finding) -> String {
 }
 
 /// Data for the page's scripts; no text in it can end the block.
-pub(super) fn data(value: &Value) -> String {
+pub(crate) fn data(value: &Value) -> String {
     // In JSON, `<` occurs in strings only, where this escape means the same.
     let text = value.to_string().replace('<', "\\u003c").replace(steers, "\u{fffd}");
     format!("<script type=\"application/json\">{text}</script>\n")
 }
 
 /// The first block of data of a page or a part of it, as [`data`] writes it.
-pub(super) fn block(html: &str) -> Option<&str> {
+pub(crate) fn block(html: &str) -> Option<&str> {
     let (_, rest) = html.split_once("<script type=\"application/json\">")?;
     Some(rest.split_once("</script>")?.0)
 }
 
 /// A section with a heading (text) around `content` (HTML); empty without content.
-pub(super) fn section(heading: &str, content: &str) -> String {
+pub(crate) fn section(heading: &str, content: &str) -> String {
     if content.is_empty() {
         return String::new();
     }
@@ -183,12 +242,12 @@ pub(super) fn section(heading: &str, content: &str) -> String {
 }
 
 /// A table of text, with a header unless that is empty.
-pub(super) fn table(header: &[String], rows: &[Vec<String>]) -> String {
+pub(crate) fn table<H: AsRef<str>>(header: &[H], rows: &[Vec<String>]) -> String {
     table_of_numbers(usize::MAX, header, rows)
 }
 
 /// A table whose first columns, `texts` of them, are text; the others are numbers, which are aligned to the right.
-pub(super) fn table_of_numbers(texts: usize, header: &[String], rows: &[Vec<String>]) -> String {
+pub(crate) fn table_of_numbers<H: AsRef<str>>(texts: usize, header: &[H], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
@@ -200,18 +259,18 @@ pub(super) fn table_of_numbers(texts: usize, header: &[String], rows: &[Vec<Stri
     html + "</table></div>\n"
 }
 
-fn row(cells: &[String], tag: &str, scope: &str, texts: usize) -> String {
+fn row<C: AsRef<str>>(cells: &[C], tag: &str, scope: &str, texts: usize) -> String {
     let mut html = String::from("<tr>");
     for (at, cell) in cells.iter().enumerate() {
         let class = if at >= texts { " class=\"number\"" } else { "" };
-        let _ = write!(html, "<{tag}{scope}{class}>{}</{tag}>", escape(cell));
+        let _ = write!(html, "<{tag}{scope}{class}>{}</{tag}>", escape(cell.as_ref()));
     }
     html + "</tr>\n"
 }
 
 /// A square table of shares between -1 and 1, coloured by sign and size, such as correlations; `names` are text.
 /// Values that are not finite leave their cell empty.
-pub(super) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
+pub(crate) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
     let header: String = names.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name))).collect();
     let cell = |value: &f64| match value.is_finite() {
         // The colour is a mix with the page's own, so that it suits light and dark.
@@ -235,7 +294,7 @@ pub(super) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> Stri
 }
 
 /// A list; all items are text.
-pub(super) fn list(lines: &[String]) -> String {
+pub(crate) fn list(lines: &[String]) -> String {
     items(lines.iter().map(|line| escape(line)))
 }
 
@@ -246,8 +305,107 @@ fn items(items: impl Iterator<Item = String>) -> String {
 }
 
 /// Preformatted text.
-pub(super) fn verbatim(text: &str) -> String {
+pub(crate) fn verbatim(text: &str) -> String {
     format!("<pre>{}</pre>\n", escape(text))
+}
+
+/// Most columns of a table that stays upright; a wider one with fewer rows than columns is turned.
+const MOST_COLUMNS: usize = 12;
+
+/// A cell, or the head of a column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Cell {
+    /// HTML.
+    content: String,
+    /// By which rows are sorted.
+    number: Option<f64>,
+    /// Shown on hover.
+    title: Option<String>,
+}
+
+impl Cell {
+    /// A text.
+    pub(crate) fn text(text: impl AsRef<str>) -> Cell {
+        Cell { content: escape(text.as_ref()), ..Cell::default() }
+    }
+
+    /// HTML.
+    pub(crate) fn html(content: String) -> Cell {
+        Cell { content, ..Cell::default() }
+    }
+
+    /// A number as it is written.
+    pub(crate) fn number(value: f64, written: impl AsRef<str>) -> Cell {
+        Cell { number: Some(value), ..Cell::text(written) }
+    }
+
+    /// A value in the unit of its column.
+    pub(crate) fn reading(value: Option<f64>, reading: &Reading) -> Cell {
+        value.map_or_else(Cell::default, |value| Cell::number(value, reading.digits(value)))
+    }
+
+    /// The cell with what is shown on hover, where that is another text.
+    pub(crate) fn titled(self, title: &str) -> Cell {
+        let title = (escape(title) != self.content).then(|| title.to_owned());
+        Cell { title, ..self }
+    }
+
+    fn attributes(&self) -> String {
+        let title = self.title.as_ref().map(|title| format!(" title=\"{}\"", escape(title)));
+        // Digits that decide the order: those of the table are too few.
+        let number = self.number.filter(|number| number.is_finite()).map(|number| format!(" data-sort=\"{number:e}\""));
+        [title, number].into_iter().flatten().collect()
+    }
+}
+
+/// A table whose columns sort its rows; a wide one of few rows is turned, so that its heads stand at the left.
+pub(crate) fn sorted_table(head: &[Cell], rows: &[Vec<Cell>]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    if head.len() > MOST_COLUMNS && rows.len() < head.len() {
+        return turned(head, rows);
+    }
+    let is_number = |at: usize| {
+        let mut cells = rows.iter().filter_map(|row| row.get(at)).filter(|cell| !cell.content.is_empty()).peekable();
+        cells.peek().is_some() && cells.all(|cell| cell.number.is_some())
+    };
+    let numbers: Vec<bool> = (0..head.len()).map(is_number).collect();
+    let class = |at: usize| if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
+    let line = |cells: &[Cell], tag: &str, scope: &str| -> String {
+        let cell = |(at, cell): (usize, &Cell)| {
+            format!("<{tag}{scope}{}{}>{}</{tag}>", class(at), cell.attributes(), cell.content)
+        };
+        format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
+    };
+    let body: String = rows.iter().map(|row| line(row, "td", "")).collect();
+    let head = line(head, "th", " scope=\"col\"");
+    format!(
+        "<div class=\"scroll\"><table class=\"sorted\">\n<thead>{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n"
+    )
+}
+
+/// The table with a row a column.
+fn turned(head: &[Cell], rows: &[Vec<Cell>]) -> String {
+    let line = |(at, head): (usize, &Cell)| {
+        let cell = |row: &Vec<Cell>| {
+            let cell = row.get(at).cloned().unwrap_or_default();
+            let class = if cell.number.is_some() { " class=\"number\"" } else { "" };
+            format!("<td{class}{}>{}</td>", cell.attributes(), cell.content)
+        };
+        let cells: String = rows.iter().map(cell).collect();
+        format!("<tr><th scope=\"row\"{}>{}</th>{cells}</tr>\n", head.attributes(), head.content)
+    };
+    let lines: String = head.iter().enumerate().map(line).collect();
+    format!("<div class=\"scroll\"><table class=\"turned\">\n{lines}</table></div>\n")
+}
+
+/// `content` (HTML), folded below a line (text) that opens it; empty without content.
+pub(crate) fn folded(line: &str, content: &str) -> String {
+    if content.is_empty() {
+        return String::new();
+    }
+    format!("<details><summary>{}</summary>\n{content}</details>\n", escape(line))
 }
 
 #[cfg(test)]
@@ -309,7 +467,7 @@ mod tests {
     #[test]
     fn numbers_are_aligned_to_the_right_and_text_is_escaped() {
         let rows = [vec!["<a>".to_owned(), "-1.5e-3".into()], vec!["1008".into(), String::new()]];
-        let html = table_of_numbers(1, &["name", "value"].map(String::from), &rows);
+        let html = table_of_numbers(1, &["name", "value"], &rows);
         assert!(html.contains("<th scope=\"col\">name</th><th scope=\"col\" class=\"number\">value</th>"), "{html}");
         assert!(html.contains("<td>&lt;a&gt;</td><td class=\"number\">-1.5e-3</td>"), "{html}");
         assert!(html.contains("<td>1008</td>"), "a name of digits is a name: {html}");
@@ -321,5 +479,27 @@ mod tests {
         let html = matrix("correlations", &names, &[vec![1.0, -0.25], vec![-0.25, f64::NAN]]);
         assert!(html.contains("<td class=\"negative\" style=\"--strength:25%\">-0.25</td>"), "{html}");
         assert!(html.contains("<th scope=\"col\">&lt;ke&gt;</th>") && html.contains("<td></td></tr>"), "{html}");
+    }
+
+    #[test]
+    fn rows_are_sorted_by_numbers_and_keys_are_shown_on_hover() {
+        let head = [Cell::text("run"), Cell::text("thickness (µm)").titled("specimen.<thickness>")];
+        let rows = [vec![Cell::text("<1>"), Cell::number(12e-6, "12")], vec![Cell::text("2"), Cell::default()]];
+        let html = sorted_table(&head, &rows);
+        let column = "<th scope=\"col\" class=\"number\" title=\"specimen.&lt;thickness&gt;\">thickness (µm)</th>";
+        assert!(html.contains(column) && html.contains("<td class=\"number\" data-sort=\"1.2e-5\">12</td>"), "{html}");
+        assert!(html.contains("<td>&lt;1&gt;</td>") && html.contains("<td class=\"number\"></td>"), "{html}");
+        assert_eq!(sorted_table(&head, &[]), "");
+    }
+
+    #[test]
+    fn a_wide_table_of_few_rows_is_turned() {
+        let head: Vec<Cell> = (0..13).map(|at| Cell::text(format!("c{at}"))).collect();
+        let row: Vec<Cell> = (0..13).map(|at| Cell::number(f64::from(at), at.to_string())).collect();
+        let html = sorted_table(&head, &[row]);
+        assert!(
+            html.contains("<tr><th scope=\"row\">c12</th><td class=\"number\" data-sort=\"1.2e1\">12</td></tr>"),
+            "{html}"
+        );
     }
 }

@@ -1,48 +1,40 @@
 //! Self-contained pages of runs, studies and comparisons, their recordings, and the series for ParaView.
 #![warn(missing_docs)]
 
-mod body;
-mod convergence;
+mod coarse;
 pub mod compare_page;
-mod field;
-mod figure;
-mod film;
-mod fit_page;
-mod script_output;
-mod html;
-mod key_figures;
 mod drawn;
 pub mod drop_page;
 mod error_maps;
+mod figure;
+mod film;
+mod fit_page;
+mod html;
 mod panes;
+mod progress_page;
 #[cfg(feature = "rerun")]
 pub mod recording;
 mod run_page;
-mod run_plots;
 mod run_scene;
+mod script_output;
 mod stored;
-mod table;
-mod ranges;
-mod progress_page;
 mod study_page;
 mod sweep_page;
 mod test_page;
 pub mod vtu;
 
-pub use compare_page::compare_page;
-pub use field::{FIELDS, Field};
-
-pub use drawn::figures;
-pub use drop_page::{DropPage, DropScatter, DropTest, FigureScatter, drop_page};
-pub use figure::{Figure, G, markdown};
-pub use film::{FilmError, run_scene};
-pub use fit_page::{FitPage, FitTable, fit_page};
-pub use html::page;
-pub use progress_page::{PageTime, StudyCall, StudyProgress, StudyState, ended_page};
-pub use run_page::{RunPage, run_page};
-pub use run_scene::{Moment, RunScene, SceneBody, SceneFace};
-pub use script_output::{cell, columns};
-pub use stored::{StoredPage, StoredPageError};
-pub use study_page::{StudyPage, study_page};
-pub use sweep_page::{SweepPage, sweep_page};
-pub use test_page::test_page;
+pub use crate::compare_page::compare_page;
+pub use crate::drawn::figures;
+pub use crate::drop_page::{DropPage, DropScatter, DropTest, FigureScatter, drop_page};
+pub use crate::figure::{Figure, G, markdown};
+pub use crate::film::run_scene;
+pub use crate::fit_page::{FitPage, FitTable, fit_page};
+pub use crate::html::page;
+pub use crate::progress_page::{PageTime, StudyCall, StudyProgress, StudyState, ended_page};
+pub use crate::run_page::{RunPage, run_page};
+pub use crate::run_scene::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace};
+pub use crate::script_output::{cell, columns};
+pub use crate::stored::{StoredPage, StoredPageError};
+pub use crate::study_page::{StudyPage, study_page};
+pub use crate::sweep_page::{SweepPage, sweep_page};
+pub use crate::test_page::test_page;

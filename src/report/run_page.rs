@@ -2,13 +2,16 @@
 
 use serde_json::{Map, Value};
 
-use super::html::{self, escape};
-use super::script_output::Fold;
-use super::{drawn, error_maps, figure, film, key_figures, run_plots, script_output};
+use crate::html::{self, escape};
+use crate::panes::{self, Pane, PaneCurve, Shown};
+use crate::script_output::{self, Fold};
+use crate::{drawn, error_maps, figure, film};
 use base::diagnostic::shown_path;
 use base::number::{duration, significant};
 use lab::experiment::drop::Figures;
-use plot::thinned;
+use lab::signal::column::Column;
+use lab::signal::{Channel, Recording, Series};
+use plot::{Curve, Plot, TIME, thinned};
 use scene::model::{Model, Window};
 use scene::scenario::{Assumption, assumptions};
 use scene::simulate::Outcome;
@@ -39,13 +42,13 @@ const MOST_POINTS: [usize; 3] = [35_000, 10_000, 40_000];
 pub fn run_page(run: &RunPage) -> String {
     let RunPage { model, outcome, results, .. } = run;
     let summary = results.summary(model);
-    let body = [
-        format!("<h1>{}</h1>\n{}", escape(&model.title), lead(run)),
+    let parts = [
+        subject(run),
         findings(run),
-        key_figures::cards(model, results, run.failure.is_some(), &summary),
+        figure::cards(model, results, run.failure.is_some(), &summary),
         html::section("Film", &film::figure(model, outcome, &results.signals)),
         html::section("Field", &error_maps::section(run)),
-        html::section("Signals", &drawn::figures(&thinned(run_plots::signals(results), MOST_POINTS[0]))),
+        html::section("Signals", &drawn::figures(&thinned(signals(results), MOST_POINTS[0]))),
         script_output::sections(&results.script_output, MOST_POINTS[2], Fold::Long),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),
@@ -54,13 +57,14 @@ pub fn run_page(run: &RunPage) -> String {
         html::section("Log", &html::list(&results.script_output.log)),
         html::section("Files", &files(run)),
         html::section("Run it again", &again(run)),
-        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    html::page(&model.title, &body.concat())
+    let answer = results.script_output.answer.clone();
+    let answer = answer.unwrap_or_else(|| post::answer(model, results, run.failure.is_some()));
+    html::finished(&model.title, &answer, &parts)
 }
 
-/// The opening of the page: what the run answers, then its subject and its reference.
-fn lead(run: &RunPage) -> String {
+/// The subject of the run and its reference.
+fn subject(run: &RunPage) -> String {
     let RunPage { model, results, .. } = run;
     let file = |path: &std::path::Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let against = model.reference.as_ref().and_then(|reference| file(reference.files().next()?));
@@ -69,12 +73,7 @@ fn lead(run: &RunPage) -> String {
     let kind = if has_signals { "recording" } else { "field" };
     let kind = if is_virtual { format!("the virtual {kind}") } else { format!("the {kind}") };
     let against = against.map_or(String::new(), |file| format!(", against {kind} {file}"));
-    let answer = match &results.script_output.answer {
-        Some(answer) => answer.clone(),
-        None => post::answer(model, results, run.failure.is_some()),
-    };
-    let subject = format!("{}: {}{against}", model.name, model.subject());
-    format!("<p class=\"lead\">{}</p>\n<p class=\"note\">{}</p>\n", escape(&answer), escape(&subject))
+    html::note(&format!("{}: {}{against}", model.name, model.subject()))
 }
 
 /// Failure and warnings, then notes.
@@ -95,14 +94,10 @@ fn figures(summary: &Map<String, Value>) -> String {
 /// Energies, strain rates and element quality.
 fn audit(run: &RunPage) -> String {
     let audit = run.results.measures.audit();
-    let (energies, negligible) = run_plots::energies(&run.outcome.energies);
+    let (energies, negligible) = energies(&run.outcome.energies);
     let note = match negligible.as_slice() {
         [] => String::new(),
-        names => format!(
-            "<p class=\"note\">below {} % of the largest: {}</p>\n",
-            run_plots::NEGLIGIBLE * 100.0,
-            escape(&names.join(", "))
-        ),
+        names => html::note(&format!("below {} % of the largest: {}", NEGLIGIBLE * 100.0, names.join(", "))),
     };
     let rates = drawn::rates("Strain rates while loading", &audit.strain_rates);
     let energies = drawn::figures(&thinned(vec![energies], MOST_POINTS[1]));
@@ -116,7 +111,7 @@ fn audit(run: &RunPage) -> String {
         [(face + 1).to_string(), mesh.elements.to_string()].into_iter().chain(numbers).collect()
     };
     let meshes: Vec<Vec<String>> = audit.meshes.iter().enumerate().map(row).collect();
-    let meshes = html::table_of_numbers(0, &header.map(String::from), &meshes);
+    let meshes = html::table_of_numbers(0, &header, &meshes);
     [drawn::side_by_side([energies, rates]), format!("<h3>Worst elements of each face</h3>\n{meshes}")].concat()
 }
 
@@ -164,8 +159,7 @@ fn reduced(drop: &Figures) -> String {
         vec!["time constant of the accelerometer".to_owned(), value, format!("{low} to {high} ms")]
     });
     let rows: Vec<Vec<String>> = rows.into_iter().flatten().chain(time_constant).collect();
-    let head = ["the recording", "value", "interval of 95 %"].map(String::from);
-    html::table(&head, &rows)
+    html::table(&["the recording", "value", "interval of 95 %"], &rows)
 }
 
 /// The files of the run folder with their content; those that are not of the run were written by the script.
@@ -178,7 +172,7 @@ fn files(run: &RunPage) -> String {
     if !snapshots.is_empty() {
         rows.push(vec![format!("{SNAPSHOTS}/"), format!("{} snapshots for ParaView", snapshots.len())]);
     }
-    html::table(&["file", "what it holds"].map(String::from), &rows)
+    html::table(&["file", "what it holds"], &rows)
 }
 
 /// The values that the scenario assumes, each with its comment.
@@ -197,4 +191,73 @@ fn again(run: &RunPage) -> String {
          <details open>\n<summary>scenario.toml</summary>\n{scenario}</details>\n",
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// Signals over time and against each other.
+pub(crate) fn signals(results: &Results) -> Vec<Plot> {
+    let on_page = panes::panes().filter(|pane| matches!(pane.shown, Shown::Page | Shown::PageAndTab));
+    on_page.filter_map(|pane| plot(&pane, &results.signals, results.comparison.as_ref())).collect()
+}
+
+/// The plot of a pane; none where the run has none of its channels.
+fn plot(pane: &Pane, signals: &Recording, comparison: Option<&ReferenceComparison>) -> Option<Plot> {
+    let title = pane.title(signals)?;
+    let own = pane.curves(signals);
+    let y = pane.columns[0].0.axis;
+    if let Some(x) = pane.over {
+        let curves: Vec<Curve> = own.into_iter().filter_map(|curve| path(signals, x, curve)).collect();
+        return (!curves.is_empty()).then(|| Plot::new(title, [x.axis, y], curves));
+    }
+    if own.is_empty() {
+        return None;
+    }
+    let simulated = own.into_iter().map(|PaneCurve { column, label, values, .. }| {
+        over_time(&label, &Series::new(signals.time.as_slice(), values), column.factor)
+    });
+    let measured = pane.measured.iter().filter_map(|measured| {
+        let comparison = comparison?;
+        let label = format!("{}{}", measured.label, comparison.label());
+        Some(over_time(&label, (measured.series)(comparison)?, measured.column.factor).dashed())
+    });
+    let curves = simulated.chain(measured).collect();
+    // Of a column alone beside what was measured of it, errors are taken.
+    let is_compared = pane.columns.len() == pane.measured.len();
+    let window = |comparison: &ReferenceComparison| plot::Window {
+        label: "error window".into(),
+        range: comparison.window.map(|time| time * 1e3),
+    };
+    let window = comparison.filter(|_| is_compared).map(window);
+    Some(Plot { window, ..Plot::new(title, [TIME, y], curves) })
+}
+
+/// Share of the largest energy below which a term is named and not drawn; one that is zero throughout does not exist.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// The energy audit, and the terms too small to be drawn.
+pub(crate) fn energies(energies: &Recording) -> (Plot, Vec<String>) {
+    let magnitude = |channel: &Channel| channel.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = energies.channels.iter().map(magnitude).fold(0.0, f64::max);
+    let there = energies.channels.iter().filter(|channel| magnitude(channel) > 0.0);
+    let (small, drawn): (Vec<&Channel>, Vec<&Channel>) =
+        there.partition(|channel| magnitude(channel) < NEGLIGIBLE * largest);
+    let words = |channel: &Channel| channel.name.trim_end_matches("_J").replace('_', " ");
+    let curve = |channel: &Channel| {
+        let series = Series::new(energies.time.as_slice(), channel.values.as_slice());
+        let curve = over_time(&words(channel), &series, 1.0);
+        if channel.name.starts_with("sum") { curve.dashed() } else { curve }
+    };
+    let plot = Plot::new("Energy audit", [TIME, "energy (J)"], drawn.into_iter().map(curve).collect());
+    (plot, small.into_iter().map(words).collect())
+}
+
+/// A channel over another of the same impactor, that of the column `x`.
+fn path(signals: &Recording, x: Column, curve: PaneCurve<'_>) -> Option<Curve> {
+    let PaneCurve { column: y, prefix, label, values } = curve;
+    let along = signals.channel(&format!("{prefix}{}", x.name))?;
+    let points = along.iter().zip(values).map(|(a, b)| [a * x.factor, b * y.factor]);
+    Some(Curve::line(label, points))
+}
+
+fn over_time(name: &str, series: &Series, factor: f64) -> Curve {
+    Curve::line(name, series.samples().map(|[t, v]| [t * 1e3, v * factor]))
 }

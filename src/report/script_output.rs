@@ -1,16 +1,15 @@
-//! The output of a script as sections of a page.
+//! The output of a script as sections of a page, its searches among them.
 
 use serde_json::Value;
 
-use super::figure::DIGITS;
-use super::html::{self, escape};
-use super::table::{self, Cell, folded};
-use super::{convergence, drawn};
+use crate::drawn;
+use crate::figure::DIGITS;
+use crate::html::{self, Cell, folded};
 use base::number;
 use base::written::Reading;
-use plot::{Plot, thinned};
+use plot::{Axis, Curve, Plot, Scale, TIME, thinned};
 use scene::scenario::grammar;
-use study::script::{File, Row, ScriptOutput};
+use study::script::{ConvergenceHistory, File, Fit, Over, Row, ScriptOutput};
 
 /// Most rows of a table on a page; its file has all of them.
 const MOST_ROWS: usize = 200;
@@ -20,7 +19,7 @@ const SHOWN_ROWS: usize = 16;
 
 /// Which tables are folded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fold {
+pub(crate) enum Fold {
     /// All, with the searches and what follows from them.
     All,
     /// Those of many rows.
@@ -29,7 +28,7 @@ pub(super) enum Fold {
 
 /// Plots, tables, searches, correlations and files; empty of a script without output. All plots together have at most
 /// `most` points.
-pub(super) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String {
+pub(crate) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String {
     let plots = thinned(output.plots.clone(), most);
     let left = most.saturating_sub(points(&plots));
     let (short, long): (Vec<_>, Vec<_>) = output.tables.iter().partition(|(_, rows)| rows.len() <= SHOWN_ROWS);
@@ -49,10 +48,7 @@ pub(super) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String
     let sections = [
         searches(output, left, fold),
         html::section("Correlations", &correlations),
-        html::section(
-            "Files of the script",
-            &html::table_of_numbers(1, &["file", "rows", "bytes"].map(String::from), &files(output)),
-        ),
+        html::section("Files of the script", &html::table_of_numbers(1, &["file", "rows", "bytes"], &files(output))),
     ];
     let tables: String = match fold {
         Fold::All => html::section(
@@ -106,13 +102,13 @@ fn table(name: &str, rows: &[Row]) -> String {
     let header: Vec<Cell> = header.map(|(name, (words, of))| Cell::text(of.heading(words)).titled(name)).collect();
     let rest = match rows.len().saturating_sub(MOST_ROWS) {
         0 => String::new(),
-        rest => format!("<p class=\"note\">and {rest} more rows in tables/{}.csv</p>\n", escape(name)),
+        rest => html::note(&format!("and {rest} more rows in tables/{name}.csv")),
     };
-    table::table(&header, &shown) + rest.as_str()
+    html::sorted_table(&header, &shown) + rest.as_str()
 }
 
 /// `3 rows`.
-pub(super) fn counted(count: usize, noun: &str) -> String {
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
@@ -152,7 +148,7 @@ fn searches(output: &ScriptOutput, mut left: usize, fold: Fold) -> String {
     let mut shown: Vec<(String, String)> = Vec::new();
     let mut without: Vec<&str> = Vec::new();
     for convergence in &output.searches {
-        let plots = convergence::plots(convergence);
+        let plots = search_plots(convergence);
         match left.checked_sub(points(&plots)) {
             Some(rest) => {
                 left = rest;
@@ -173,7 +169,7 @@ fn searches(output: &ScriptOutput, mut left: usize, fold: Fold) -> String {
 fn unshown(without: &[&str]) -> String {
     match without {
         [] => String::new(),
-        titles => format!("<p class=\"note\">shown in the recording only: {}</p>\n", escape(&titles.join(", "))),
+        titles => html::note(&format!("shown in the recording only: {}", titles.join(", "))),
     }
 }
 
@@ -189,12 +185,84 @@ fn rows(file: &File) -> String {
     if file.name.ends_with(".csv") { lines.saturating_sub(1).to_string() } else { String::new() }
 }
 
+/// Objective and unknowns over iterations, then every fit; no objective and no unknowns of a search without iterations.
+fn search_plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
+    let own = [objective(convergence), unknowns(convergence)].into_iter().filter(has_lines);
+    own.chain(convergence.fits.iter().map(|fit| best_fit(convergence, fit, "best"))).collect()
+}
+
+/// The reference of a fit alone.
+pub(crate) fn target(convergence: &ConvergenceHistory, fit: &Fit) -> Plot {
+    let x = match fit.target.over {
+        Over::Time => TIME,
+        Over::Strain => "strain",
+        Over::Travel => "travel (mm)",
+    };
+    let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
+    let reference = Curve::line(name, fit_points(fit, &fit.target.values)).dashed();
+    Plot::new(format!("{}: {}", convergence.title, fit.quantity), [x, fit.label().as_str()], vec![reference])
+}
+
+/// Factors from the values of a fit to the units of its axes. Signals over time are in the unit that the script
+/// computes them in, stresses over strain in Pa.
+fn factors(Fit { unit, target, .. }: &Fit) -> [f64; 2] {
+    match target.over {
+        Over::Time | Over::Travel => [1e3, 1.0],
+        Over::Strain => [1.0, unit.as_ref().map_or(1.0, |unit| 1.0 / unit.to_si(1.0))],
+    }
+}
+
+/// A simulation of the search, in the units of [`target`].
+pub(crate) fn simulated(name: impl Into<String>, fit: &Fit) -> Curve {
+    Curve::line(name, fit_points(fit, &fit.values))
+}
+
+/// Best values of the objective; one curve a start.
+fn objective(ConvergenceHistory { title, objectives, .. }: &ConvergenceHistory) -> Plot {
+    let name = |start: usize| if objectives.len() == 1 { "objective".into() } else { format!("start {}", start + 1) };
+    let curve = |(start, history): (usize, &Vec<(usize, f64)>)| {
+        Curve::line(name(start), history.iter().map(|(iteration, f)| [*iteration as f64, *f]))
+    };
+    let curves = objectives.iter().enumerate().map(curve).collect();
+    let mut plot = Plot::new(format!("{title}: objective"), ["iteration", "objective"], curves);
+    if objectives.iter().flatten().all(|(_, f)| *f > 0.0) {
+        plot.y = Axis { scale: Scale::Logarithmic, ..plot.y };
+    }
+    plot
+}
+
+fn unknowns(ConvergenceHistory { title, unknowns, history, .. }: &ConvergenceHistory) -> Plot {
+    let curve = |(place, name): (usize, &String)| {
+        Curve::line(name, history.iter().map(|at| [at.iteration as f64, at.x[place]]))
+    };
+    let curves = unknowns.iter().enumerate().map(curve).collect();
+    Plot::new(format!("{title}: unknowns"), ["iteration", "value"], curves)
+}
+
+fn has_lines(plot: &Plot) -> bool {
+    plot.curves.iter().any(|curve| curve.points.len() > 1)
+}
+
+/// The best simulation, by this name, over its target.
+pub(crate) fn best_fit(convergence: &ConvergenceHistory, fit: &Fit, name: &str) -> Plot {
+    let mut plot = target(convergence, fit);
+    plot.curves.insert(0, simulated(name, fit));
+    plot
+}
+
+fn fit_points(fit: &Fit, values: &[f32]) -> Vec<[f64; 2]> {
+    let [x, y] = factors(fit);
+    fit.target.places.iter().zip(values).map(|(place, value)| [f64::from(*place) * x, f64::from(*value) * y]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
+    use base::units::Unit;
+    use study::script::{Iterate, Target};
+
     use super::*;
-    use study::script::ConvergenceHistory;
 
     fn row(value: Value) -> Row {
         value.as_object().cloned().unwrap()
@@ -240,5 +308,61 @@ mod tests {
     fn files_have_rows_and_bytes() {
         let file = |name: &str| File { name: name.into(), content: "# virtual\na,b\n1,2\n3,4\n".into() };
         assert_eq!((rows(&file("a.csv")), rows(&file("a.txt"))), ("2".into(), String::new()));
+    }
+
+    fn search(objectives: &[f64]) -> ConvergenceHistory {
+        let target = Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] };
+        let at = |place: usize| Iterate { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
+        ConvergenceHistory {
+            continues: false,
+            title: "1008".into(),
+            unknowns: vec!["k1".into()],
+            objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
+            history: (0..objectives.len()).map(at).collect(),
+            fits: vec![Fit {
+                quantity: "acceleration".into(),
+                unit: Unit::parse("m/s²").ok(),
+                target,
+                values: vec![0.0, 2.0],
+            }],
+            is_virtual: false,
+        }
+    }
+
+    #[test]
+    fn a_search_shows_its_objective_its_unknowns_and_its_curves() {
+        let falling: Vec<f64> = (0..60).map(|step| 2.0 * 0.9_f64.powi(step)).collect();
+        let plots = search_plots(&search(&falling));
+        let [objective, unknowns, curves] = &plots[..] else { panic!("{plots:?}") };
+        assert_eq!((objective.y.scale, objective.curves[0].points[0]), (Scale::Logarithmic, [1.0, 2.0]));
+        assert_eq!(unknowns.curves[0].name, "k1");
+        assert_eq!((curves.title.as_str(), curves.x.label.as_str()), ("1008: acceleration", "time (ms)"));
+        assert_eq!(curves.y.label, "acceleration (m/s²)");
+        let names: Vec<&str> = curves.curves.iter().map(|curve| curve.name.as_str()).collect();
+        assert_eq!(names, ["best", "reference"]);
+        let [time, value] = curves.curves[0].points[1];
+        assert!((time - 50.0).abs() < 1e-5 && value == 2.0);
+    }
+
+    #[test]
+    fn stresses_have_the_unit_that_their_axis_names() {
+        let stresses = Target { over: Over::Strain, places: vec![0.0, 0.5], values: vec![0.0, 8e6] };
+        for (symbol, expected) in
+            [("MPa", ("stress (MPa)", 8.0)), ("kPa", ("stress (kPa)", 8e3)), ("Pa", ("stress (Pa)", 8e6))]
+        {
+            let (quantity, unit) = ("stress".into(), Unit::parse(symbol).ok());
+            let fit = Fit { quantity, unit, target: stresses.clone(), values: vec![] };
+            let plot = target(&ConvergenceHistory { is_virtual: true, ..search(&[1.0]) }, &fit);
+            assert_eq!((plot.y.label.as_str(), plot.curves[0].points[1][1]), expected);
+            assert_eq!(plot.curves[0].name, "reference (virtual)");
+        }
+    }
+
+    #[test]
+    fn a_search_that_stays_where_it_began_has_curves_alone() {
+        let found = search_plots(&search(&[0.0]));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].curves.len(), 2);
+        assert_eq!(search_plots(&search(&[1.0, -1.0]))[0].y.scale, Scale::Linear);
     }
 }

@@ -1,7 +1,7 @@
 //! The page of tests: what became of each case, and new signals over recorded ones where they differ.
 
 use super::drawn;
-use super::html::{self, escape};
+use super::html;
 use base::number::time_taken;
 use lab::signal::{Series, column};
 use plot::{Curve, Plot, TIME};
@@ -14,19 +14,16 @@ pub fn test_page(verdicts: &[Verdict]) -> String {
         0 => format!("{} tests passed", verdicts.len()),
         count => format!("{count} of {} tests failed", verdicts.len()),
     };
-    let body = [
-        format!("<h1>{}</h1>\n", escape(&title)),
+    let parts = [
         failed.iter().map(|verdict| html::section(&verdict.name, &differences(verdict))).collect(),
         html::section("All tests", &all(verdicts)),
-        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    html::page(&title, &body.concat())
+    html::finished(&title, "", &parts)
 }
 
 fn differences(verdict: &Verdict) -> String {
-    let lines = verdict.differences.iter().map(|difference| format!("<li>{}</li>\n", escape(&difference.to_string())));
-    let list = format!("<ul>\n{}</ul>\n", lines.collect::<String>());
-    [list, drawn::figures(&plots(verdict))].concat()
+    let lines: Vec<String> = verdict.differences.iter().map(ToString::to_string).collect();
+    [html::list(&lines), drawn::figures(&plots(verdict))].concat()
 }
 
 /// New over old of each signal that differs, with its corridor.
@@ -66,6 +63,5 @@ fn all(verdicts: &[Verdict]) -> String {
         };
         vec![verdict.name.clone(), became.into(), time_taken(verdict.seconds)]
     };
-    let header = ["test", "verdict", "time"].map(String::from);
-    html::table(&header, &verdicts.iter().map(row).collect::<Vec<_>>())
+    html::table(&["test", "verdict", "time"], &verdicts.iter().map(row).collect::<Vec<_>>())
 }

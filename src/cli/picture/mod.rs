@@ -2,22 +2,21 @@
 
 mod args;
 mod scene;
-mod style;
-mod words;
 
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use self::args::Preset;
-use self::words::{find, name_of};
-use super::{Failure, Shared, output, print_figures};
+use crate::failure::hinted;
+use crate::picture::args::Preset;
+use crate::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
+use base::number::duration;
 use picture::{Drawing, PictureError};
 use plot::Plot;
-use report::{StoredPage, StoredPageError};
+use report::{Field, RunScene, StoredPage, StoredPageError};
 
-pub(super) use self::args::PictureArgs;
+pub(super) use crate::picture::args::PictureArgs;
 
 /// A picture, and what is told of it.
 struct Made {
@@ -37,10 +36,10 @@ enum Format {
     Glb,
 }
 
-pub(super) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
+pub(crate) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
     let page = StoredPage::read(&args.run).map_err(|error| unreadable(&error));
     let Some(out) = args.out.as_deref() else {
-        return words::list(&page?, shared);
+        return list(&page?, shared);
     };
     let format = format(out)?;
     if format == Format::Glb {
@@ -118,16 +117,7 @@ fn check_options_of_surfaces(args: &PictureArgs) -> Result<(), Diagnostic> {
 }
 
 fn unreadable(error: &StoredPageError) -> Diagnostic {
-    let mistake = Diagnostic::new(error.to_string());
-    match error {
-        StoredPageError::Missing { .. } => mistake.hint("name the folder of a run, such as runs/drop/1008"),
-        StoredPageError::NoPage { .. } => mistake.hint("runs that cannot be measured have none"),
-        StoredPageError::NotAPage { .. } => mistake.hint("name the folder of results, or its report.html"),
-        StoredPageError::NoFilm { .. } => {
-            mistake.hint("draw one of its plots: --plot NAME; without -o they are listed")
-        }
-        StoredPageError::Unreadable { .. } | StoredPageError::Plot { .. } | StoredPageError::Film { .. } => mistake,
-    }
+    hinted(error, error.hint)
 }
 
 fn refused(error: &PictureError) -> Diagnostic {
@@ -157,11 +147,99 @@ fn draw_plots(page: &StoredPage, name: &str, args: &PictureArgs, format: Format)
         let names: Vec<String> = page.plots.iter().map(|plot| name_of(&plot.title)).collect();
         return Err(unknown("plot", name, names.iter().map(String::as_str)).into());
     };
-    let (style, dpi) = style::from_args(args, format)?;
+    let (style, dpi) = args::from_args(args, format)?;
     let title = args.title.clone().unwrap_or_else(|| page.plots[at].title.clone());
     let plot = Plot { title, ..page.plots[at].clone() };
     let figures = Map::from_iter([("plot".to_owned(), json!(page.plots[at].title))]);
     let words = format!("{}: {}", page.title, page.plots[at].title);
     let made = Made::drawn(&Drawing::of_plot(&plot, &style, dpi), format, words, figures);
     Ok(made.map_err(|error| refused(&error))?)
+}
+
+/// The title in small letters, its words joined by hyphens.
+pub(crate) fn name_of(title: &str) -> String {
+    let letters = title.chars().map(|letter| if letter.is_alphanumeric() { letter } else { ' ' });
+    let words = letters.flat_map(char::to_lowercase).collect::<String>();
+    words.split_whitespace().collect::<Vec<_>>().join("-")
+}
+
+/// The index of the title that is named: itself, else the first that begins with it, else the only one that holds it.
+pub(crate) fn find<'a>(written: &str, titles: impl Iterator<Item = &'a str>) -> Option<usize> {
+    let written = name_of(written);
+    let names: Vec<String> = titles.map(name_of).collect();
+    if written.is_empty() {
+        return None;
+    }
+    let place = |is: &dyn Fn(&str) -> bool| names.iter().position(|name| is(name));
+    let holds = |name: &&String| name.contains(&written);
+    place(&|name| name == written).or_else(|| place(&|name| name.starts_with(&written))).or_else(|| {
+        let is_only = names.iter().filter(holds).count() == 1;
+        names.iter().position(|name| is_only && holds(&name))
+    })
+}
+
+/// Prints what of a page can be drawn.
+pub(crate) fn list(page: &StoredPage, shared: &Shared) -> Result<(), Failure> {
+    let scene = match page.scene() {
+        Ok(scene) => Some(scene),
+        Err(error) if error.lacks_film => None,
+        Err(error) => return Err(Diagnostic::new(error.to_string()).into()),
+    };
+    let plots: Vec<String> = page.plots.iter().map(|plot| name_of(&plot.title)).collect();
+    let scene = scene.as_ref();
+    let moments = || scene.into_iter().flat_map(|scene| &scene.moments);
+    let figures = json!({
+        "title": page.title,
+        "plots": plots,
+        "states_s": scene.map(|scene| scene.states.iter().map(|state| state.time).collect::<Vec<_>>()),
+        "moments_s": moments().map(|moment| (name_of(&moment.words), moment.time)).collect::<Vec<_>>(),
+        "fields": scene.map(|scene| fields(scene).collect::<Vec<_>>()),
+    });
+    print_figures(shared, &figures, || {
+        let mut lines = vec![page.title.clone()];
+        if let Some(scene) = scene {
+            let [first, last] = [&scene.states[0], &scene.states[scene.states.len() - 1]];
+            let (from, to) = (duration(first.time), duration(last.time));
+            lines.push(format!("  --at     {} states from {from} to {to}", scene.states.len()));
+            lines.extend(
+                moments().map(|moment| format!("           {} ({})", name_of(&moment.words), duration(moment.time))),
+            );
+            lines.push(format!("  --field  {}", fields(scene).collect::<Vec<_>>().join(", ")));
+        }
+        let heads = std::iter::once("--plot").chain(std::iter::repeat("      "));
+        lines.extend(heads.zip(&plots).map(|(head, plot)| format!("  {head}   {plot}")));
+        lines.join("\n")
+    })
+}
+
+fn fields(scene: &RunScene) -> impl Iterator<Item = &'static str> {
+    Field::all_in(&scene.states[0].films).map(|field| field.key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_are_found_by_their_beginning() {
+        let titles = [
+            "Displacement of the impactor",
+            "Acceleration of the impactor",
+            "Acceleration before the filter",
+            "E/σ: run 1",
+        ];
+        for (written, expected) in [
+            ("acceleration", Some(1)),
+            ("Acceleration before the filter", Some(2)),
+            ("acceleration-before", Some(2)),
+            ("displ", Some(0)),
+            ("filter", Some(2)),
+            ("e-σ-run-1", Some(3)),
+            ("impactor", None),
+            ("force", None),
+            ("--", None),
+        ] {
+            assert_eq!(find(written, titles.iter().copied()), expected, "{written}");
+        }
+    }
 }

@@ -2,10 +2,9 @@
 
 use serde_json::{Map, json};
 
-use super::args::PictureArgs;
-use super::words::{find, name_of};
-use super::{Format, Made, refused, style, unknown, unreadable};
-use crate::argument::quantity;
+use crate::args::quantity;
+use crate::picture::args::{self, PictureArgs};
+use crate::picture::{Format, Made, find, name_of, refused, unknown, unreadable};
 use crate::progress::Bar;
 use crate::scenarios::{self, Checked};
 use crate::{Failure, Shared};
@@ -13,8 +12,7 @@ use base::diagnostic::{Diagnostic, shown_path};
 use base::number::{duration, significant};
 use base::units::Time;
 use lab::signal::column;
-use picture::ScenePicture;
-use picture::gltf;
+use picture::{ScenePicture, gltf};
 use report::{FIELDS, Field, RunScene, StoredPage, run_scene};
 use scene::simulate::{self, RunError, RunOptions, Snapshot};
 use study::store::{StoredRun, run_files};
@@ -32,7 +30,7 @@ pub(super) fn draw(
     format: Format,
     shared: &Shared,
 ) -> Result<Made, Failure> {
-    let flat = if format == Format::Glb { None } else { Some(style::from_args(args, format)?) };
+    let flat = if format == Format::Glb { None } else { Some(args::from_args(args, format)?) };
     let (title, scene) = if args.again {
         again(args, shared)?
     } else {

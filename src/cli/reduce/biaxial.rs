@@ -4,13 +4,14 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::{Value as Json, json};
 
-use super::coupon::{CouponArgs, Reduced, all, paths, reduced};
-use super::coupon_figures::Statistics;
-use crate::argument::quantity;
-use crate::signal::input::FileArgs;
-use crate::{Failure, Shared, faults, film, findings, output, print_figures, table};
+use crate::args::quantity;
+use crate::failure::all;
+use crate::reduce::coupon::{CouponArgs, Reduced, reduced};
+use crate::scenarios::paths;
+use crate::signal::FileArgs;
+use crate::{Failure, Shared, export, failure, output, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::{figure, significant};
@@ -93,44 +94,10 @@ struct Test {
     high: Option<f64>,
 }
 
-/// All figures; SI.
-#[derive(Serialize)]
-struct Figures {
-    tests: Vec<TestFigures>,
-    /// The coupling of all tests that one explains; none without a film.
-    coupling: Option<Statistics>,
-    findings: Vec<Finding>,
-    written: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct TestFigures {
-    file: String,
-    #[serde(rename = "virtual")]
-    is_virtual: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    direction: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    width_over_length: Option<f64>,
-    /// Strain, and nominal stress (Pa) there.
-    curve: Vec<[f64; 2]>,
-    coupling: Option<CouplingFigures>,
-}
-
-#[derive(Serialize)]
-struct CouplingFigures {
-    value: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    high: Option<f64>,
-    relative_rms: f64,
-    /// Strain, and the coupling there.
-    by_strain: Vec<[f64; 2]>,
-}
-
 /// The fabric of the film that arguments name.
 fn fabric(args: &CouplingArgs) -> Result<Option<Fabric>, Failure> {
     let Some(path) = &args.film else { return Ok(None) };
-    match film::read(path, args.face)?.material.law {
+    match export::read(path, args.face)?.material.law {
         Law::Fabric(fabric) => Ok(Some(fabric)),
         Law::RateFabric(_) => Err(no_fabric(path, "a fabric with curves by strain rate")
             .hint("give a fabric with the curves of the rate at which the test was made")
@@ -196,79 +163,89 @@ fn is_plausible(coupling: &Coupling) -> bool {
     (0.0..=MOST_COUPLING).contains(&coupling.value) && coupling.relative_rms <= MOST_LEFT
 }
 
-impl Figures {
-    fn new(tests: &[Test], warnings: &[Warning], written: Vec<String>) -> Figures {
-        let found = tests.iter().filter_map(|test| test.coupling.as_ref());
-        let values: Vec<f64> = found.filter(|own| is_plausible(own)).map(|own| own.value).collect();
-        let coupling = SampleStatistics::from_figures(&values).ok().map(Statistics::from);
-        let findings = warnings.iter().map(Finding::new).collect();
-        Figures { tests: tests.iter().map(figures).collect(), coupling, findings, written }
-    }
-
-    /// The figures as tables, in MPa and per cent.
-    fn text(&self) -> String {
-        let mut text: String = self.tests.iter().map(TestFigures::text).collect();
-        if let Some(Statistics { mean, deviation, count }) = &self.coupling {
-            let of_all = match count {
-                1 => String::new(),
-                count => format!(" +- {} ({count} tests)", figure(*deviation, 2)),
-            };
-            let _ = writeln!(
-                text,
-                "coupling of MD and TD {}{of_all}: fabric.biaxial, and this test as its biaxial_source",
-                figure(*mean, 3)
-            );
-        }
-        text += &findings::lines("", &self.findings);
-        text.extend(self.written.iter().map(|file| format!("wrote {file}\n")));
-        text
-    }
+/// The coupling of all tests that one explains; none without a film.
+fn mean_coupling(tests: &[Test]) -> Option<SampleStatistics> {
+    let found = tests.iter().filter_map(|test| test.coupling.as_ref());
+    let values: Vec<f64> = found.filter(|own| is_plausible(own)).map(|own| own.value).collect();
+    SampleStatistics::from_figures(&values).ok()
 }
 
-impl TestFigures {
+/// Prints the figures in SI, or as tables in MPa and per cent.
+fn print(shared: &Shared, tests: &[Test], warnings: &[Warning], written: &[String]) -> Result<(), Failure> {
+    let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
+    let coupling = mean_coupling(tests);
+    let figures = json!({
+        "tests": tests.iter().map(Test::figures).collect::<Vec<_>>(),
+        "coupling": coupling,
+        "findings": findings,
+        "written": written,
+    });
+    print_figures(shared, &figures, || {
+        let mut text: String = tests.iter().map(Test::text).collect();
+        if let Some(SampleStatistics { mean, deviation, count }) = coupling {
+            let of_all = match count {
+                1 => String::new(),
+                count => format!(" +- {} ({count} tests)", figure(deviation, 2)),
+            };
+            let mean = figure(mean, 3);
+            text +=
+                &format!("coupling of MD and TD {mean}{of_all}: fabric.biaxial, and this test as its biaxial_source\n");
+        }
+        [text, terminal::findings("", &findings), terminal::written(written)].concat()
+    })
+}
+
+impl Test {
+    /// Strain, and nominal stress (Pa) there: where the coupling is given, so that both are in one row, else at equal distances.
+    fn shown_curve(&self) -> Vec<[f64; 2]> {
+        let [_, last] = self.curve.range();
+        let at = |strain: f64| self.curve.stress_at(strain).map(|stress| [strain, stress]);
+        match &self.coupling {
+            Some(coupling) => coupling.by_strain.iter().filter_map(|[strain, _]| at(*strain)).collect(),
+            None => (1..=ROWS).filter_map(|place| at(last * place as f64 / ROWS as f64)).collect(),
+        }
+    }
+
+    fn figures(&self) -> Json {
+        let coupling = |own: &Coupling| {
+            let mut figures = json!({ "value": own.value });
+            if let Some(high) = self.high {
+                figures["high"] = high.into();
+            }
+            figures["relative_rms"] = own.relative_rms.into();
+            // Strain, and the coupling there.
+            figures["by_strain"] = json!(own.by_strain);
+            figures
+        };
+        let mut figures = json!({ "file": self.name, "virtual": self.is_virtual });
+        if let Some((direction, ratio)) = &self.coupon {
+            figures["direction"] = direction.as_str().into();
+            figures["width_over_length"] = (*ratio).into();
+        }
+        figures["curve"] = json!(self.shown_curve());
+        figures["coupling"] = json!(self.coupling.as_ref().map(coupling));
+        figures
+    }
+
     fn text(&self) -> String {
         let mark = if self.is_virtual { ", VIRTUAL" } else { "" };
-        let along = self.direction.as_deref().map(|along| format!(", {along}")).unwrap_or_default();
-        let wide = self.width_over_length.map(|ratio| format!(", {} times as wide as long", significant(ratio, 3)));
-        let mut header = vec!["strain (%)".to_owned(), "stress (MPa)".to_owned()];
-        header.extend(self.coupling.as_ref().map(|_| "coupling".to_owned()));
-        let rows = self.curve.iter().map(|[strain, stress]| {
+        let coupon = self.coupon.as_ref().map_or_else(String::new, |(along, ratio)| {
+            format!(", {along}, {} times as wide as long", significant(*ratio, 3))
+        });
+        let header = ["strain (%)", "stress (MPa)"].into_iter().chain(self.coupling.as_ref().map(|_| "coupling"));
+        let rows = self.shown_curve().into_iter().map(|[strain, stress]| {
             let mut cells = vec![figure(100.0 * strain, 3), figure(1e-6 * stress, 4)];
             if let Some(coupling) = &self.coupling {
-                let same = coupling.by_strain.iter().find(|[at, _]| at == strain);
+                let same = coupling.by_strain.iter().find(|[at, _]| *at == strain);
                 cells.push(same.map_or_else(String::new, |[_, own]| format!("{own:.3}")));
             }
             cells
         });
-        let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
         let left = self.coupling.as_ref().map_or_else(String::new, |own| {
             let value = figure(own.value, 3);
             format!("  coupling {value}, {} % of the stress left\n", figure(100.0 * own.relative_rms, 2))
         });
-        format!("{}{along}{}{mark}\n{}{left}", self.file, wide.unwrap_or_default(), table::aligned(&lines, 0))
-    }
-}
-
-fn figures(test: &Test) -> TestFigures {
-    let [_, last] = test.curve.range();
-    let at = |strain: f64| test.curve.stress_at(strain).map(|stress| [strain, stress]);
-    let curve = match &test.coupling {
-        // Where the coupling is given, so that both are in one row.
-        Some(coupling) => coupling.by_strain.iter().filter_map(|[strain, _]| at(*strain)).collect(),
-        None => (1..=ROWS).filter_map(|place| at(last * place as f64 / ROWS as f64)).collect(),
-    };
-    TestFigures {
-        file: test.name.clone(),
-        is_virtual: test.is_virtual,
-        direction: test.coupon.as_ref().map(|(direction, _)| direction.clone()),
-        width_over_length: test.coupon.as_ref().map(|(_, ratio)| *ratio),
-        curve,
-        coupling: test.coupling.as_ref().map(|own| CouplingFigures {
-            value: own.value,
-            high: test.high,
-            relative_rms: own.relative_rms,
-            by_strain: own.by_strain.clone(),
-        }),
+        format!("{}{coupon}{mark}\n{}{left}", self.name, terminal::table(0, header, rows))
     }
 }
 
@@ -283,14 +260,13 @@ pub(super) fn bulge(args: &BulgeArgs, shared: &Shared) -> Result<(), Failure> {
     let tests = all(paths.iter().map(|path| bulged(args, &bulge, path, fabric.as_ref())))?;
     let written = write(&args.coupling, "equibiaxial", &tests)?;
     let warnings: Vec<Warning> = std::iter::once(Warning::CapAssumed).chain(tests.iter().flat_map(warnings)).collect();
-    let figures = Figures::new(&tests, &warnings, written);
-    print_figures(shared, &figures, || figures.text())
+    print(shared, &tests, &warnings, &written)
 }
 
 fn bulged(args: &BulgeArgs, bulge: &Bulge, path: &Path, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {
     let fault = |error: &dyn std::fmt::Display| Diagnostic::new(format!("{}: {error}", shown_path(path)));
     let options = args.file.options(ChannelSelection::All)?;
-    let table = file::columns(path, &options).map_err(|error| faults::recording(&error))?.over_samples();
+    let table = file::columns(path, &options).map_err(|error| failure::recording(&error))?.over_samples();
     let pressure = channel(&table, path, &args.pressure, Pressure::DIMENSION)?;
     let named = args.height.as_deref().or_else(|| HEIGHTS.into_iter().find(|name| table.channel(name).is_ok()));
     let height = channel(&table, path, named.unwrap_or(HEIGHTS[0]), Length::DIMENSION)?;
@@ -312,13 +288,13 @@ fn channel<'t>(
     dimension: Dimension,
 ) -> Result<&'t Series, Diagnostic> {
     let missing = |error: Error| {
-        faults::content(path, &error)
+        failure::content(path, &error)
             .hint("a bulge has the channels `pressure` and `height`; --pressure and --height name others")
     };
     table.channel(name).map_err(missing)?.quantity(dimension).map_err(|error| match error.kind() {
         // Of several channels, each has its own.
-        Kind::NoUnit { name, unit } => faults::content(path, &error).hint(format!("give it: --unit {name}={unit}")),
-        _ => faults::content(path, &error),
+        Kind::NoUnit { name, unit } => failure::content(path, &error).hint(format!("give it: --unit {name}={unit}")),
+        _ => failure::content(path, &error),
     })
 }
 
@@ -335,8 +311,7 @@ pub(super) fn wide(args: &WideArgs, shared: &Shared) -> Result<(), Failure> {
     let tests = all(tests.iter().map(|own| held(own, fabric.as_ref())))?;
     let written = write(&args.coupling, "plane", &tests)?;
     let warnings: Vec<Warning> = tests.iter().flat_map(held_warnings).collect();
-    let figures = Figures::new(&tests, &warnings, written);
-    print_figures(shared, &figures, || figures.text())
+    print(shared, &tests, &warnings, &written)
 }
 
 fn held(own: &CouponTest, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {

@@ -1,22 +1,27 @@
-//! `droptower reduce coupon`: from force over displacement to a material file.
+//! `droptower reduce coupon`: from force over displacement to figures and a material file.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use clap::Args;
+use serde_json::{Value as Json, json};
 
-use super::coupon_figures::Figures;
-use crate::argument::{number, quantity};
-use crate::scenarios::expanded;
-use crate::signal::input::FileArgs;
-use crate::{Failure, Shared, faults, output, print_figures};
+use crate::args::{number, quantity};
+use crate::failure::all;
+use crate::scenarios::paths;
+use crate::signal::FileArgs;
+use crate::{Failure, Shared, failure, output, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::file::{self, FileError};
+use base::finding::Finding;
+use base::number::significant;
 use base::units::{Density, Length, Velocity};
 use lab::Error;
+use lab::experiment::Warning;
+use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{
-    BREAK_SHARE, Coupon, CouponReader, CouponTest, Dimensions, Direction, Label, Reduction, Rules, ShearMethod, WINDOW,
+    BREAK_SHARE, Coupon, CouponReader, CouponTest, CurveEnd, Dimensions, Direction, DirectionMeans, Label, Reduction,
+    Rules, ShearMethod, SpeedMeans, WINDOW,
 };
 use lab::experiment::material_file::coupon::{CouponMaterial, GivenShear};
 use lab::signal::file::ChannelSelection;
@@ -87,7 +92,7 @@ pub(crate) struct ReduceCouponArgs {
 }
 
 /// The reduced recordings.
-pub(super) struct Reduced {
+pub(crate) struct Reduced {
     /// Of the mean dimensions.
     pub coupon: Coupon,
     /// In the order of the arguments.
@@ -95,26 +100,26 @@ pub(super) struct Reduced {
     pub reduction: Reduction,
 }
 
-pub(super) fn run(args: &ReduceCouponArgs, shared: &Shared) -> Result<(), Failure> {
+pub(crate) fn run(args: &ReduceCouponArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(&args.coupons, args.velocity)?;
     let texts = texts(args, &reduced)?;
     output::write_sealed(&texts)?;
-    let written: Vec<PathBuf> = texts.into_iter().map(|(path, _)| path).collect();
-    let figures = Figures::new(&reduced, args.density.is_none(), &written);
-    print_figures(shared, &figures, || figures.text())
+    let written: Vec<String> = texts.iter().map(|(path, _)| shown_path(path)).collect();
+    let warnings = findings(&reduced, args.density.is_none(), !written.is_empty());
+    print_figures(shared, &figures(&reduced, &warnings, &written), || text(&reduced, &warnings, &written))
 }
 
 /// The recordings that arguments name, reduced, with this speed in place of what they state.
-pub(super) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduced, Vec<Diagnostic>> {
-    let one = |error: String| vec![Diagnostic::new(error)];
-    check_dimensions(args).map_err(one)?;
-    let reader = reader(args, velocity).map_err(|mistake| vec![mistake])?;
+pub(crate) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduced, Failure> {
+    check_dimensions(args).map_err(Diagnostic::new)?;
+    let reader = reader(args, velocity)?;
     let paths = paths(&args.recordings)?;
     let tests =
-        all(paths.iter().map(|path| reader.read_all(path).map_err(|error| faults::recording(&error))))?.concat();
-    let coupon = mean(&tests).map_err(|error| one(error.to_string()))?;
+        all(paths.iter().map(|path| reader.read_all(path).map_err(|error| failure::recording(&error))))?.concat();
+    let coupon = mean(&tests).map_err(|error| Diagnostic::new(error.to_string()))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
-    let reduction = Reduction::from_samples(&samples, &reader.rules).map_err(|error| one(error.to_string()))?;
+    let reduction =
+        Reduction::from_samples(&samples, &reader.rules).map_err(|error| Diagnostic::new(error.to_string()))?;
     Ok(Reduced { coupon, tests, reduction })
 }
 
@@ -146,21 +151,6 @@ fn reader(args: &CouponArgs, velocity: Option<f64>) -> Result<CouponReader, Diag
         table: args.file.options(ChannelSelection::All)?,
         ..CouponReader::new(Dimensions { gauge: args.gauge, width: args.width, thickness: args.thickness }, rules)
     })
-}
-
-/// The files that paths and globs name, each once, in the order of the arguments.
-pub(crate) fn paths(patterns: &[String]) -> Result<Vec<PathBuf>, Vec<Diagnostic>> {
-    let mut paths = all(patterns.iter().map(|pattern| expanded(pattern)))?.concat();
-    let mut seen = std::collections::HashSet::new();
-    paths.retain(|path| seen.insert(path.clone()));
-    Ok(paths)
-}
-
-/// All values, or all mistakes.
-pub(crate) fn all<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Result<Vec<T>, Vec<Diagnostic>> {
-    let (values, mistakes): (Vec<_>, Vec<_>) = results.partition(Result::is_ok);
-    let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
-    if mistakes.is_empty() { Ok(values.into_iter().filter_map(Result::ok).collect()) } else { Err(mistakes) }
 }
 
 /// Largest shear curve that is read, bytes.
@@ -227,10 +217,11 @@ fn given(shear: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
 }
 
 /// Refuses a material that `droptower check` would refuse, with the place of a mistake in the `given` shear curve.
-fn check(written: &CouponMaterial<'_>, given: Option<&Path>) -> Result<(), Vec<Diagnostic>> {
-    let scratch = scratch(written, given).map_err(|error| vec![Diagnostic::new(format!("no material: {error}"))])?;
+fn check(written: &CouponMaterial<'_>, given: Option<&Path>) -> Result<(), Failure> {
+    let scratch = scratch(written, given).map_err(|error| Diagnostic::new(format!("no material: {error}")))?;
     let document = Document::read_material(&scratch.path().join(DRAFT))?;
-    model::check_material(&document).map(|_| ())
+    model::check_material(&document)?;
+    Ok(())
 }
 
 const DRAFT: &str = "material.toml";
@@ -261,9 +252,202 @@ fn places(material: &Path) -> Result<[PathBuf; 2], Failure> {
     let stem = material.file_stem().unwrap_or_default().to_string_lossy();
     let shear = material.with_file_name(format!("{stem}-shear.csv"));
     let check = |place: &Path, ending| output::check(place, ending, None, None);
-    let checked = [check(material, "toml"), check(&shear, "csv")];
-    if let Some(failure) = Failure::all(checked.into_iter().filter_map(Result::err)) {
-        return Err(failure);
-    }
+    all([check(material, "toml"), check(&shear, "csv")])?;
     Ok([material.to_path_buf(), shear])
+}
+
+/// Width over length of a coupon beyond which its jaws hold it back: a tenth of the stress of film as strongly coupled as
+/// isotropic film (docs/methods.md, section 11).
+const MOST_WIDTH: f64 = 0.5;
+
+/// All findings, of what was written too.
+fn findings(reduced: &Reduced, is_density_assumed: bool, is_written: bool) -> Vec<Warning> {
+    // D4 is the other diagonal of D3, measured to compare them.
+    let is_unused = |direction: &Direction| !direction.has_curve() && *direction != Direction::D4;
+    let unused = reduced.reduction.directions.iter().map(|along| along.direction).filter(is_unused);
+    let directions: Vec<Direction> = unused.collect();
+    let of_material = [
+        is_density_assumed.then_some(Warning::DensityAssumed),
+        Some(Warning::NoAbsorption),
+        (!directions.is_empty()).then_some(Warning::DirectionsNotUsed { directions }),
+    ];
+    warnings(reduced).into_iter().chain(of_material.into_iter().flatten().filter(|_| is_written)).collect()
+}
+
+/// All figures; SI.
+fn figures(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> Json {
+    let Reduced { tests, reduction, .. } = reduced;
+    let along = |along: &DirectionMeans| {
+        json!({
+            "direction": along.direction.to_string(),
+            "young_modulus_Pa": along.modulus,
+            "strength_Pa": along.strength,
+            "break_elongation": along.elongation,
+            "break_stress_Pa": along.break_stress,
+            // None where the mean curve has no two.
+            "yield_points": along.yields.as_ref().ok().map(|found| [found.first, found.second]),
+            "speeds": along.speeds.iter().map(speed_figures).collect::<Vec<_>>(),
+        })
+    };
+    let mut figures = json!({
+        "recordings": reduction.recordings(),
+        "virtual_recordings": reduction.virtual_recordings(),
+        "young_modulus_Pa": reduction.modulus,
+        "directions": reduction.directions.iter().map(along).collect::<Vec<_>>(),
+    });
+    let specimens: Vec<Json> = tests.iter().filter_map(specimen_figures).collect();
+    if !specimens.is_empty() {
+        figures["specimens"] = specimens.into();
+    }
+    figures["notes"] = warnings.iter().map(Warning::to_string).collect();
+    figures["findings"] = json!(warnings.iter().map(Finding::new).collect::<Vec<_>>());
+    figures["written"] = json!(written);
+    figures
+}
+
+fn speed_figures(speed: &SpeedMeans) -> Json {
+    json!({
+        "velocity_m_s": speed.velocity,
+        "young_moduli_Pa": speed.moduli,
+        "young_modulus_Pa": speed.modulus,
+        "strength_Pa": speed.strength,
+        "break_elongation": speed.elongation,
+    })
+}
+
+/// The figures of a specimen of a machine's export.
+fn specimen_figures(test: &CouponTest) -> Option<Json> {
+    let CouponTest { sample, coupon, .. } = test;
+    test.specimen.as_ref().map(|note| {
+        json!({
+            "file": shown_path(&test.path),
+            "specimen": note.name,
+            "direction": sample.direction.to_string(),
+            "velocity_m_s": sample.velocity,
+            "gauge_m": coupon.gauge(),
+            "width_m": coupon.width(),
+            "thickness_m": coupon.thickness(),
+            "young_modulus_Pa": sample.modulus.slope,
+            "strength_Pa": sample.rupture.strength,
+            "break_elongation": sample.rupture.strain,
+            // The columns of force and displacement, as the file names them, and what its head states.
+            "columns": note.columns,
+            "stated": note.stated,
+        })
+    })
+}
+
+/// The figures as tables, in MPa and per cent.
+fn text(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> String {
+    let Reduced { tests, reduction, .. } = reduced;
+    let virtual_ones = match reduction.virtual_recordings() {
+        0 => String::new(),
+        count => format!(", {count} of them VIRTUAL"),
+    };
+    let mut text = format!("{} recordings{virtual_ones}\n", reduction.recordings());
+    text.extend(tests.iter().filter_map(specimen_text));
+    text.extend(reduction.directions.iter().map(direction_text));
+    if let Some(modulus) = reduction.modulus {
+        text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
+    }
+    text += &terminal::findings("", &warnings.iter().map(Finding::new).collect::<Vec<_>>());
+    text + terminal::written(written).as_str()
+}
+
+fn specimen_text(test: &CouponTest) -> Option<String> {
+    let CouponTest { sample, coupon, .. } = test;
+    let note = test.specimen.as_ref()?;
+    let [gauge, width, thickness] =
+        [coupon.gauge(), coupon.width(), coupon.thickness()].map(|length| significant(1e3 * length, 4));
+    let [force, displacement] = &note.columns;
+    let stated = match &note.stated[..] {
+        [] => String::new(),
+        stated => format!("    the file states {}\n", stated.join("; ")),
+    };
+    Some(format!(
+        "{}, {}: {} at {} m/s, {gauge} x {width} x {thickness} mm, E {:.1} MPa, strength {:.1} MPa, break {:.1} %\n    `{force}` over `{displacement}`\n{stated}",
+        shown_path(&test.path),
+        note.name,
+        sample.direction,
+        significant(sample.velocity, 4),
+        sample.modulus.slope * 1e-6,
+        sample.rupture.strength * 1e-6,
+        100.0 * sample.rupture.strain,
+    ))
+}
+
+fn direction_text(along: &DirectionMeans) -> String {
+    let moduli = along.speeds.iter().map(|speed| {
+        let single: String = speed.moduli.iter().map(|modulus| format!("{:6.1}", modulus * 1e-6)).collect();
+        let mean = with_deviation(speed.modulus, 1e-6, "MPa");
+        format!("  {:>8} m/s  E{single}  mean {mean}\n", significant(speed.velocity, 4))
+    });
+    let points = match &along.yields {
+        Ok(found) => {
+            let shown = |[strain, stress]: [f64; 2]| format!("{strain:.3}, {:.2} MPa", stress * 1e-6);
+            [found.first, found.second].map(shown).join("; ")
+        }
+        Err(_) => "none".into(),
+    };
+    format!(
+        "{}\n{}  E {}\n  yield points at {points}\n  strength {}, break elongation {}\n",
+        along.direction,
+        moduli.collect::<String>(),
+        with_deviation(along.modulus, 1e-6, "MPa"),
+        with_deviation(along.strength, 1e-6, "MPa"),
+        with_deviation(along.elongation, 100.0, "%"),
+    )
+}
+
+fn with_deviation(of: SampleStatistics, factor: f64, unit: &str) -> String {
+    let (mean, deviation) = (of.mean * factor, of.deviation * factor);
+    match of.count {
+        1 => format!("{mean:.1} {unit} (1)"),
+        count => format!("{mean:.1} +- {deviation:.1} {unit} ({count})"),
+    }
+}
+
+/// Warnings of assumptions, and of all that puts the figures in doubt.
+fn warnings(reduced: &Reduced) -> Vec<Warning> {
+    let tests = &reduced.tests;
+    let under_load = tests.iter().filter(|test| test.sample.rupture.ending == CurveEnd::RecordEnded);
+    let under_load = under_load.map(|test| Warning::RecordEndsUnderLoad { path: test.place() });
+    let merged = tests.iter().filter(|test| test.merged > 0);
+    let merged = merged.map(|test| Warning::MergedSamples { path: test.place(), samples: test.merged });
+    let no_yield = reduced.reduction.directions.iter().filter_map(|along| {
+        let reason = along.yields.as_ref().err()?.clone();
+        Some(Warning::NoYieldPoints { direction: along.direction, reason })
+    });
+    let replaced = tests.iter().flat_map(|test| {
+        let replaced = test.specimen.iter().flat_map(|specimen| &specimen.replaced);
+        replaced.map(|what| Warning::HeadReplaced { path: test.place(), what: what.clone() })
+    });
+    let differ =
+        [("gauge", Coupon::gauge as fn(&Coupon) -> f64), ("width", Coupon::width), ("thickness", Coupon::thickness)];
+    let differ = differ.into_iter().filter_map(|(dimension, of)| {
+        let all = || tests.iter().map(|test| of(&test.coupon));
+        let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        (least < most).then_some(Warning::SpecimensDiffer { dimension, least, most })
+    });
+    let is_along = |test: &&CouponTest| matches!(test.sample.direction, Direction::Md | Direction::Td);
+    let ratios = tests.iter().filter(is_along).map(|test| test.coupon.width() / test.coupon.gauge());
+    let ratio = ratios.fold(0.0, f64::max);
+    let held = (ratio > MOST_WIDTH).then_some(Warning::CouponHeldInWidth { ratio });
+    let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
+    doubts.chain(speeds_not_measured(reduced)).collect()
+}
+
+/// Speeds at which some directions were measured and others not.
+fn speeds_not_measured(reduced: &Reduced) -> Vec<Warning> {
+    let directions = &reduced.reduction.directions;
+    let mut speeds: Vec<f64> = directions.iter().flat_map(|along| &along.speeds).map(|speed| speed.velocity).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let is_missing =
+        |along: &DirectionMeans, velocity: f64| !along.speeds.iter().any(|speed| speed.velocity == velocity);
+    let missing = directions.iter().flat_map(|along| {
+        let missing = speeds.iter().filter(move |velocity| is_missing(along, **velocity));
+        missing.map(|velocity| Warning::SpeedNotMeasured { direction: along.direction, velocity: *velocity })
+    });
+    missing.collect()
 }

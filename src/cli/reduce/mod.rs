@@ -2,12 +2,11 @@
 
 mod biaxial;
 pub(crate) mod coupon;
-mod coupon_figures;
 mod drop;
 
 use clap::Subcommand;
 
-use super::{Failure, Shared};
+use crate::{Failure, Shared};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum ReduceCommand {

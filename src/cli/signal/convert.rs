@@ -1,19 +1,144 @@
-//! `droptower signal convert`: a recording in another format.
+//! `droptower signal filter` and `convert`: recordings written anew.
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use serde::Serialize;
+use clap::{Args, ValueEnum};
+use serde_json::json;
 
-use super::input::FileArgs;
-use super::output;
-use super::remarks::Remarks;
 use crate::output::ends_in;
-use crate::{Failure, Shared, print_figures};
+use crate::signal::{self, Chosen, FileArgs, Input, remarks, with_notes};
+use crate::{Failure, Shared, failure, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::removed;
+use base::units::{Dimension, Frequency};
 use lab::signal::file::ChannelSelection;
-use lab::signal::{Annotations, MeasuredChannel, Measurement, Recording};
+use lab::signal::filter::{self, Standard};
+use lab::signal::{Annotations, Channel, MeasuredChannel, Measurement, Recording, Series, Warning, resample};
+
+#[derive(Debug, Args)]
+pub(crate) struct FilterArgs {
+    #[command(flatten)]
+    pub input: Input,
+    /// Channel frequency class: 1000 or CFC1000, 600, 180, 60 (a name, not hertz)
+    #[arg(long, value_name = "CFC", value_parser = signal::class)]
+    pub class: f64,
+    /// The standard; the two differ in one constant
+    #[arg(long, value_enum, default_value = "iso")]
+    pub standard: Named,
+    /// Resample uneven samples to this rate first, e.g. "10 kHz"
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub resample: Option<f64>,
+    /// The file to write: a description in lines with `#`, then the columns time_s and value (SI)
+    #[arg(long, short, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Replace the file where it exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// The standards by their short names.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Named {
+    /// ISO 6487
+    Iso,
+    /// SAE J211-1
+    Sae,
+}
+
+pub(crate) fn filter(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
+    signal::check_table(&args.out, &args.input.path, args.force)?;
+    let Chosen { channel, mut annotations } = args.input.read()?;
+    annotations.warnings.extend(signal::filtered_before(&channel));
+    annotations.warnings.extend(signal::unusual_class(args.class));
+    let even = even(args, &channel.series)?;
+    annotations.warnings.extend(aliasing(&channel.series, &even));
+    let series = filter::channel(&even, args.class, args.standard.into())
+        .map_err(|error| failure::content(&args.input.path, &error))?;
+    let values = Channel { name: "value".into(), values: series.values().to_vec() };
+    let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
+    let comments: Vec<String> =
+        origin(args, &channel).into_iter().chain(annotations.comments().iter().cloned()).collect();
+    signal::write_csv(&args.out, &comments, &recording)?;
+    let ends =
+        |of: fn(&Series) -> Option<[f64; 2]>| [&channel.series, &series].map(|one| of(one).map(|[_, value]| value));
+    let (largest, smallest) = (ends(Series::largest), ends(Series::smallest));
+    let [path, out] = [&args.input.path, &args.out].map(|path| shown_path(path));
+    let (class, standard, samples, unit) = (args.class, args.standard.text(), series.len(), channel.value_unit());
+    let figures = json!({
+        "path": path,
+        "channel": channel.name,
+        "class": class,
+        "standard": standard,
+        "samples": samples,
+        "unit": unit,
+        "largest_before": largest[0],
+        "largest_after": largest[1],
+        "smallest_before": smallest[0],
+        "smallest_after": smallest[1],
+        "out": out,
+    });
+    print_figures(shared, &with_notes(figures, &annotations), || {
+        let unit = unit.as_deref().unwrap_or("(unit unknown)");
+        let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |value| format!("{value:.6}"));
+        let extremes = [("largest", largest), ("smallest", smallest)].map(|(word, ends)| {
+            let [before, after] = ends.map(number);
+            format!("  {word:8}  {before} {unit} before, {after} {unit} after\n")
+        });
+        let samples = if samples == 1 { "1 sample".to_owned() } else { format!("{samples} samples") };
+        let (channel, extremes, remarks) = (&channel.name, extremes.concat(), remarks(&annotations));
+        format!("{path}: `{channel}` through CFC {class} ({standard})\n{extremes}{remarks}  {out}: {samples}")
+    })
+}
+
+/// The description of the output: the quantity, its source, and how it was filtered.
+fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
+    let unit = channel.value_unit().unwrap_or_else(|| "unknown, as written".into());
+    vec![
+        format!("value: {} of {}", channel.label, shown_path(&args.input.path)),
+        format!("unit of value: {unit}"),
+        format!("filtered by droptower: CFC {} ({})", args.class, args.standard.text()),
+    ]
+}
+
+/// The series on equal steps, resampled only where the user asks for it.
+fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
+    let Some(rate) = args.resample else {
+        return Ok(series.clone());
+    };
+    let name = shown_path(&args.input.path);
+    filter::check_complete(series).map_err(|error| failure::content(&args.input.path, &error))?;
+    resample::uniform(series, 1.0 / rate).map_err(|error| Diagnostic::new(format!("{name}: {error}")))
+}
+
+/// The report of samples that are left out: frequencies above half the new rate fold into lower ones.
+fn aliasing(before: &Series, after: &Series) -> Option<Warning> {
+    (after.len() < before.len()).then_some(Warning::Aliasing { before: before.len(), after: after.len() })
+}
+
+/// A rate in Hz, or with its unit.
+fn rate(text: &str) -> Result<f64, String> {
+    let dimension: Dimension = Frequency::DIMENSION;
+    let rate = text.parse::<f64>().ok().map_or_else(|| dimension.parse(text).map_err(|error| error.to_string()), Ok)?;
+    if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(format!("a rate of {rate} Hz is not positive")) }
+}
+
+impl Named {
+    fn text(self) -> &'static str {
+        match self {
+            Named::Iso => "ISO 6487",
+            Named::Sae => "SAE J211-1",
+        }
+    }
+}
+
+impl From<Named> for Standard {
+    fn from(named: Named) -> Standard {
+        match named {
+            Named::Iso => Standard::Iso6487,
+            Named::Sae => Standard::SaeJ211,
+        }
+    }
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
@@ -32,46 +157,26 @@ pub(crate) struct ConvertArgs {
     pub force: bool,
 }
 
-/// The channels that were written.
-#[derive(Serialize)]
-struct Converted {
-    path: String,
-    out: String,
-    channels: Vec<String>,
-    /// Names with the long names of codes, for the terminal.
-    #[serde(skip)]
-    called: Vec<String>,
-    #[serde(flatten)]
-    remarks: Remarks,
-}
-
-pub(super) fn run(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
-    let done = converted(args)?;
-    print_figures(shared, &done, || {
-        format!("{}\n{}  {}: {}", done.path, done.remarks.lines(), done.out, done.called.join(", "))
-    })
-}
-
-fn converted(args: &ConvertArgs) -> Result<Converted, Failure> {
+pub(crate) fn convert(args: &ConvertArgs, shared: &Shared) -> Result<(), Failure> {
     if !ends_in(&args.out, "csv") {
         let ending = format!(".{}", args.out.extension().unwrap_or_default().to_string_lossy());
         let gone = removed::command(&["signal".into(), "convert".into(), ending]);
         let mistake = Diagnostic::new(format!("{} does not end in .csv", shown_path(&args.out)));
         return Err(mistake.hint(gone.map_or("name it .csv".into(), |(_, instead)| instead)).into());
     }
-    output::check_table(&args.out, &args.path, args.force)?;
+    signal::check_table(&args.out, &args.path, args.force)?;
     let channels = match &args.column[..] {
         [] => ChannelSelection::All,
         names => ChannelSelection::Named(names.to_vec()),
     };
     let found = args.file.read(&args.path, channels)?;
-    output::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?;
-    Ok(Converted {
-        path: shown_path(&args.path),
-        out: shown_path(&args.out),
-        called: found.channels.iter().map(called).collect(),
-        remarks: (&found.annotations).into(),
-        channels: found.channels.into_iter().map(|channel| channel.name).collect(),
+    signal::write_csv(&args.out, &comments(&found), &shared_axis(&found, &args.path)?)?;
+    let [path, out] = [&args.path, &args.out].map(|path| shown_path(path));
+    let names: Vec<&str> = found.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let figures = json!({ "path": path, "out": out, "channels": names });
+    print_figures(shared, &with_notes(figures, &found.annotations), || {
+        let called = found.channels.iter().map(called).collect::<Vec<_>>().join(", ");
+        format!("{path}\n{}  {out}: {called}", remarks(&found.annotations))
     })
 }
 

@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::input::FileArgs;
-use super::remarks::Remarks;
-use crate::{Failure, Shared, faults, print_figures};
+use crate::failure::split;
+use crate::signal::{FileArgs, remarks, with_notes};
+use crate::{Failure, Shared, failure, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::number::{clean_time, significant};
 use lab::error::Kind;
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::gap::{self, Gap};
-use lab::signal::{MeasuredChannel, Warning, csv, resample};
+use lab::signal::{Annotations, MeasuredChannel, Warning, csv, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
@@ -29,8 +30,8 @@ pub(crate) struct InfoArgs {
 struct Contents {
     path: String,
     channels: Vec<Contained>,
-    #[serde(flatten)]
-    remarks: Remarks,
+    #[serde(skip)]
+    annotations: Annotations,
 }
 
 /// One channel of a file; values in `unit`.
@@ -80,21 +81,20 @@ struct Hole {
 }
 
 pub(super) fn run(args: &InfoArgs, shared: &Shared) -> Result<(), Failure> {
-    let found: Vec<Result<Contents, Diagnostic>> = args.paths.iter().map(|path| contents(path, &args.file)).collect();
-    let (found, mistakes): (Vec<_>, Vec<_>) = found.into_iter().partition(Result::is_ok);
-    let mistakes: Vec<Diagnostic> = mistakes.into_iter().filter_map(Result::err).collect();
-    let found: Vec<Contents> = found.into_iter().filter_map(Result::ok).collect();
-    if !mistakes.is_empty() {
-        return Err([mistakes, silence(&found)].concat().into());
+    let (found, failure) = split(args.paths.iter().map(|path| contents(path, &args.file)));
+    if let Some(mut failure) = failure {
+        failure.diagnostics.extend(silence(&found));
+        return Err(failure);
     }
-    print_figures(shared, &found, || found.iter().map(text).collect::<Vec<_>>().join("\n"))
+    let figures: Vec<Value> = found.iter().map(|one| with_notes(json!(one), &one.annotations)).collect();
+    print_figures(shared, &figures, || found.iter().map(text).collect::<Vec<_>>().join("\n"))
 }
 
 /// The report that readable files are not printed, where others cannot be read: the output is complete or empty.
-fn silence(found: &[Contents]) -> Vec<Diagnostic> {
+fn silence(found: &[Contents]) -> Option<Diagnostic> {
     let paths: Vec<&str> = found.iter().map(|contents| contents.path.as_str()).collect();
     let unprinted = || Diagnostic::new(format!("{}: readable, but not printed", paths.join(", ")));
-    if found.is_empty() { Vec::new() } else { vec![unprinted().hint("leave out what cannot be read")] }
+    (!found.is_empty()).then(|| unprinted().hint("leave out what cannot be read"))
 }
 
 fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
@@ -103,17 +103,17 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
         Ok(found) => Ok(Contents {
             path: shown_path(path),
             channels: found.channels.iter().map(contained).collect(),
-            remarks: (&found.annotations).into(),
+            annotations: found.annotations,
         }),
         Err(error) if *error.kind() == Kind::NoTime => columns(path, &options),
-        Err(error) => Err(faults::recording(&error)),
+        Err(error) => Err(failure::recording(&error)),
     }
 }
 
 /// The content of a table without time, e.g. stress over strain.
 fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
     let csv::Table { columns, mut annotations } =
-        file::columns(path, options).map_err(|error| faults::recording(&error))?;
+        file::columns(path, options).map_err(|error| failure::recording(&error))?;
     annotations.warnings.push(Warning::NoTimeColumn);
     let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
         let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
@@ -121,7 +121,7 @@ fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
         let si = unit.map(|unit| unit.si_symbol());
         Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
     });
-    Ok(Contents { path: shown_path(path), channels: channels.collect(), remarks: (&annotations).into() })
+    Ok(Contents { path: shown_path(path), channels: channels.collect(), annotations })
 }
 
 fn contained(channel: &MeasuredChannel) -> Contained {
@@ -200,7 +200,7 @@ fn text(contents: &Contents) -> String {
     };
     let holes = holes(contents).into_iter().map(|hole| format!("  {hole}\n"));
     let lines: String = lines.iter().map(line).chain(holes).collect();
-    format!("{}\n{lines}{}", contents.path, contents.remarks.lines())
+    format!("{}\n{lines}{}", contents.path, remarks(&contents.annotations))
 }
 
 /// Most holes that are printed one by one; all of them are in the JSON.

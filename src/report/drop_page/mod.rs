@@ -1,22 +1,23 @@
 //! The page of recorded drops: of one recording what it shows, also where no drop was reduced; of several a table, their
 //! scatter, and their curves over each other.
 
-mod answer;
 mod plots;
-mod several;
 mod test;
 
 use serde_json::{Map, Value};
 
-use super::html::{self, escape};
-use super::table::folded;
-use super::{drawn, key_figures};
+use crate::drawn;
+use crate::figure::{self, G};
+use crate::html::{self, Cell, escape, folded};
 use base::diagnostic::{Diagnostic, shown_path};
+use base::finding::Finding;
 use base::number::significant;
-use plot::thinned;
+use lab::experiment::Warning;
+use lab::experiment::drop::Drop;
+use plot::{Plot, thinned};
 
-pub use plots::reading;
-pub use test::{DROP_QUANTITIES, DropQuantity, DropScatter, DropTest, FigureScatter, names};
+pub use crate::drop_page::plots::reading;
+pub use crate::drop_page::test::{DROP_QUANTITIES, DropQuantity, DropScatter, DropTest, FigureScatter, names};
 
 /// Most points of all plots of a page, which keep it below 3 MB.
 const MOST_POINTS: usize = 60_000;
@@ -42,7 +43,7 @@ pub struct DropPage<'a> {
 pub fn drop_page(page: &DropPage<'_>) -> String {
     match page.tests {
         [test] if !page.is_list => one(page, test),
-        _ => several::page(page),
+        _ => several_page(page),
     }
 }
 
@@ -67,28 +68,26 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
         Err(_) => found(test),
     };
     let heading = if test.outcome.is_ok() { "Figures" } else { "What was found" };
-    let body = [
-        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&title), escape(&answer::of_one(test))),
+    let parts = [
         test.outcome.as_ref().err().map(remedy).unwrap_or_default(),
         html::findings(Vec::new(), &test.findings),
-        key_figures::of_drop(&figures),
+        figure::of_drop(&figures),
         drawn::figures(&whole),
         match &test.outcome {
             Ok(_) => html::section("Impact", &drawn::medium(&plots)),
             Err(_) => html::section("Laser", &drawn::figures(&plots)),
         },
-        html::section(heading, &html::table(&[], &rows)),
+        html::section(heading, &html::table::<&str>(&[], &rows)),
         html::section("Comments of the file", &html::list(&comments(test))),
-        html::section("What was reduced", &html::table(&[], &origin(test))),
+        html::section("What was reduced", &html::table::<&str>(&[], &origin(test))),
         html::section("Run it again", &html::verbatim(page.command)),
-        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    html::page(&title, &body.concat())
+    html::finished(&title, &of_one(test), &parts)
 }
 
 /// The change that helps with a recording that is not reduced.
 fn remedy(mistake: &Diagnostic) -> String {
-    mistake.hint.as_ref().map_or_else(String::new, |hint| format!("<p class=\"note\">{}</p>\n", escape(hint)))
+    mistake.hint.as_deref().map(html::note).unwrap_or_default()
 }
 
 /// The landmarks of a recording that is not reduced.
@@ -123,7 +122,236 @@ fn origins(names: &[String], tests: &[DropTest]) -> String {
     let row = |(name, test): (&String, &DropTest)| {
         vec![name.clone(), shown_path(&test.path), test.fingerprint.clone().unwrap_or_default()]
     };
-    let header = ["recording", "path", "SHA-256"].map(String::from);
     let rows: Vec<Vec<String>> = names.iter().zip(tests).map(row).collect();
-    folded("files and their checksums", &html::table(&header, &rows))
+    folded("files and their checksums", &html::table(&["recording", "path", "SHA-256"], &rows))
+}
+
+/// Most drops over each other, and most small plots.
+const MOST_OVERLAID: usize = 60;
+const MOST_SMALL: usize = 60;
+
+/// What the folders hold besides recordings.
+const LEFT_OUT: &str = "what the folders hold besides recordings";
+
+/// Most points of the curves over each other, and of the small plots.
+const MOST_OF_SEVERAL: [usize; 2] = [40_000, 30_000];
+
+/// The page of several recordings.
+fn several_page(page: &DropPage<'_>) -> String {
+    let DropPage { tests, scatter, .. } = *page;
+    let names = names(tests);
+    let title = if tests.len() == 1 { "1 drop test".to_owned() } else { format!("{} drop tests", tests.len()) };
+    let parts = [
+        overlaid(&names, tests),
+        html::section("Medians and scatter", &medians(page)),
+        html::section("Recordings", &recordings(&names, tests)),
+        html::findings(failures(&names, tests), &findings(&names, tests)),
+        html::section("Each recording", &each(&names, tests)),
+        html::section("Left out", &folded(LEFT_OUT, &html::list(page.left_out))),
+        html::section("What was reduced", &origins(&names, tests)),
+        html::section("Run it again", &html::verbatim(page.command)),
+    ];
+    html::finished(&title, &of_several(&names, tests, scatter), &parts)
+}
+
+/// The curves of all drops over each other.
+fn overlaid(names: &[String], tests: &[DropTest]) -> String {
+    let drops: Vec<_> = names
+        .iter()
+        .zip(tests)
+        .filter_map(|(name, test)| Some((name.as_str(), test, test.outcome.as_ref().ok()?)))
+        .collect();
+    let shown = &drops[..drops.len().min(MOST_OVERLAID)];
+    let plots = thinned(plots::overlaid(shown), MOST_OF_SEVERAL[0]);
+    let rest = (drops.len() > shown.len())
+        .then(|| html::note(&format!("The first {} of {} drops.", shown.len(), drops.len())));
+    [drawn::medium(&plots), rest.unwrap_or_default()].concat()
+}
+
+/// Small plots of each recording.
+fn each(names: &[String], tests: &[DropTest]) -> String {
+    let plots: Vec<Plot> =
+        names.iter().zip(tests).filter_map(|(name, test)| plots::each(name, test)).take(MOST_SMALL).collect();
+    let rest = (tests.len() > MOST_SMALL).then(|| html::note(&format!("The first {MOST_SMALL} of {}.", tests.len())));
+    [drawn::small(&thinned(plots, MOST_OF_SEVERAL[1])), rest.unwrap_or_default()].concat()
+}
+
+/// A number with the digits of a table.
+fn number(value: f64) -> Cell {
+    Cell::number(value, significant(value, figure::DIGITS).replace('-', "\u{2212}"))
+}
+
+/// A table of medians and scatter for the drops of each mass and height.
+fn medians(page: &DropPage<'_>) -> String {
+    let head = ["quantity", "median", "lower quartile", "upper quartile", "least", "largest", "drops"].map(Cell::text);
+    let row = |figure: &FigureScatter| {
+        let quantity = figure.quantity()?;
+        let values = figure.shown().map(number);
+        let words = Cell::text(quantity.heading()).titled(quantity.name);
+        let count = Cell::number(figure.count as f64, figure.count.to_string());
+        Some(std::iter::once(words).chain(values).chain([count]).collect::<Vec<Cell>>())
+    };
+    let is_alone = page.scatter.len() == 1;
+    let of = |scatter: &DropScatter| {
+        let rows: Vec<Vec<Cell>> = scatter.figures.iter().filter_map(row).collect();
+        let heading = (!is_alone).then(|| format!("<h3>{}</h3>\n", escape(&scatter.conditions())));
+        [heading.unwrap_or_default(), html::sorted_table(&head, &rows)].concat()
+    };
+    let tables: String = page.scatter.iter().map(of).collect();
+    if tables.is_empty() {
+        return tables;
+    }
+    let note = "Quartiles are linear between the sorted values (type 7 of Hyndman and Fan 1996, as in NumPy and R). Recordings \
+                that could not be reduced, and figures that a recording does not give, are not in them: the last column \
+                counts the drops that are.";
+    [tables, html::note(note)].concat()
+}
+
+/// A row a recording.
+fn recordings(names: &[String], tests: &[DropTest]) -> String {
+    let head = ["recording", "mass (kg)", "height (m)"].map(Cell::text).into_iter();
+    let quantities = DROP_QUANTITIES.iter().map(|quantity| Cell::text(quantity.heading()).titled(quantity.name));
+    let head: Vec<Cell> = head.chain(quantities).chain([Cell::text("findings, or why there is no drop")]).collect();
+    let row = |(name, test): (&String, &DropTest)| {
+        let value = |value: Option<f64>| value.map_or_else(Cell::default, number);
+        let values = DROP_QUANTITIES.iter().map(|quantity| {
+            value(test.figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
+        });
+        let conditions = [test.tower.map(|tower| tower.body.mass), test.height()].map(value);
+        let name = Cell::text(name).titled(&shown_path(&test.path));
+        std::iter::once(name)
+            .chain(conditions)
+            .chain(values)
+            .chain([Cell::text(test.cause().unwrap_or_else(|| test.codes().join(", ")))])
+            .collect()
+    };
+    html::sorted_table(&head, &names.iter().zip(tests).map(row).collect::<Vec<Vec<Cell>>>())
+}
+
+fn failures(names: &[String], tests: &[DropTest]) -> Vec<String> {
+    let cause = |(name, test): (&String, &DropTest)| Some(format!("{name}: {}", test.cause()?));
+    names.iter().zip(tests).filter_map(cause).collect()
+}
+
+/// The findings of all tests, each with the name of its test.
+fn findings(names: &[String], tests: &[DropTest]) -> Vec<Finding> {
+    let of_test = |(name, test): (&String, &DropTest)| {
+        let named = |finding: &Finding| {
+            let mut finding = Finding { message: format!("{name}: {}", finding.message), ..finding.clone() };
+            finding.figures.insert(html::TEST.into(), name.as_str().into());
+            finding
+        };
+        test.findings.iter().map(named).collect::<Vec<_>>()
+    };
+    names.iter().zip(tests).flat_map(of_test).collect()
+}
+
+/// Significant digits of a figure in a sentence.
+const DIGITS: usize = 3;
+
+/// The answer of one recording.
+fn of_one(test: &DropTest) -> String {
+    let drop = match (&test.outcome, test.cause()) {
+        (Ok(drop), _) => drop,
+        (Err(_), cause) => return format!("No drop was reduced: {}.", cause.unwrap_or_default()),
+    };
+    let subject = if test.is_virtual() { "Virtual, not measured: the impactor" } else { "The impactor" };
+    let mass =
+        test.tower.map_or_else(String::new, |tower| format!(" of {} kg", significant(tower.body.mass, figure::DIGITS)));
+    let figures = test.figures.as_ref();
+    let intervals = drop.intervals.as_ref();
+    let speed = with_interval(-drop.contact.velocity, intervals.map(|of| of.impact_speed), 1.0, "m/s");
+    let peak = match (saturated(drop), figures.and_then(|figures| figures.peak_acceleration_m_s2)) {
+        (Some(least), _) => format!(", was slowed by at least {} g", significant(least / G, DIGITS)),
+        (None, Some(peak)) => format!(", was slowed by {} g at most", significant(peak / G, DIGITS)),
+        (None, None) => String::new(),
+    };
+    let travel = match (drop.lowest_point(), figures.and_then(|figures| figures.peak_displacement_m)) {
+        (Some([_, place]), _) => {
+            let travel = intervals.map(|of| of.displacement.map(|place| -place));
+            format!(" and stopped after {}", with_interval(-place, travel, 1e3, "mm"))
+        }
+        (None, Some(place)) => {
+            format!(" and still descended after {} mm, when the recording ends", significant(-1e3 * place, DIGITS))
+        }
+        (None, None) => String::new(),
+    };
+    let absorbed = drop.energy_absorption.map_or_else(String::new, |absorbed| {
+        let interval = intervals.and_then(|of| of.energy_absorption);
+        format!("; the film absorbed {} of the energy", with_interval(absorbed, interval, 100.0, "%"))
+    });
+    format!("{subject}{mass} met the film at {speed}{peak}{travel}{absorbed}.")
+}
+
+/// A value with its interval of 95 %, times `factor`: `170 mm (95 %: 169 to 171)`, with the digits that its ends differ in.
+fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
+    let Some([a, b]) = interval.map(|ends| ends.map(|end| factor * end)) else {
+        return format!("{} {unit}", significant(factor * value, DIGITS));
+    };
+    let [low, high] = [a.min(b), a.max(b)];
+    let decimals = (0.5 - (high - low).max(1e-9).log10()).ceil().clamp(0.0, 6.0) as usize;
+    format!("{:.decimals$} {unit} (95 %: {low:.decimals$} to {high:.decimals$})", factor * value)
+}
+
+/// The least peak of an accelerometer at the end of its range, m/s².
+fn saturated(drop: &Drop) -> Option<f64> {
+    drop.warnings.iter().find_map(|warning| match warning {
+        Warning::Saturated { peak, .. } => Some(*peak),
+        _ => None,
+    })
+}
+
+/// The answer of several recordings: medians with their quartiles, and what could not be reduced.
+fn of_several(names: &[String], tests: &[DropTest], scatter: &[DropScatter]) -> String {
+    let failed: Vec<&str> =
+        names.iter().zip(tests).filter(|(_, test)| test.outcome.is_err()).map(|(name, _)| name.as_str()).collect();
+    let medians = match scatter {
+        [] => None,
+        [one] => Some(format!(
+            "Medians and quartiles of {} drops of {}: {}.",
+            one.drops,
+            one.conditions(),
+            medians_in_words(one)
+        )),
+        several => {
+            let of =
+                |one: &DropScatter| format!("{} ({} drops): {}", one.conditions(), one.drops, medians_in_words(one));
+            Some(format!("Medians and quartiles, {}.", several.iter().map(of).collect::<Vec<_>>().join("; ")))
+        }
+    };
+    let none = match failed.len() {
+        0 => None,
+        1 => Some(format!("1 of {} recordings could not be reduced: {}.", tests.len(), failed[0])),
+        count => Some(format!("{count} of {} recordings could not be reduced: {}.", tests.len(), named(&failed))),
+    };
+    let virtual_ones = tests.iter().filter(|test| test.is_virtual()).count();
+    let mark = (virtual_ones > 0).then(|| match virtual_ones == tests.len() {
+        true => "All recordings are virtual, not measured.".to_owned(),
+        false => format!("{virtual_ones} of the recordings are virtual, not measured."),
+    });
+    [medians, none, mark].into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// Most names in a sentence.
+const MOST_NAMED: usize = 4;
+
+fn named(names: &[&str]) -> String {
+    let shown = names.iter().take(MOST_NAMED).copied().collect::<Vec<_>>().join(", ");
+    match names.len().checked_sub(MOST_NAMED) {
+        None | Some(0) => shown,
+        Some(more) => format!("{shown} and {more} more"),
+    }
+}
+
+/// Quantities that a sentence names.
+const NAMED: [&str; 4] = ["impact_velocity_m_s", "peak_acceleration_m_s2", "peak_displacement_m", "energy_absorption"];
+
+fn medians_in_words(scatter: &DropScatter) -> String {
+    let of = |figure: &FigureScatter| {
+        let quantity = figure.quantity().filter(|quantity| NAMED.contains(&quantity.name))?;
+        let [median, low, high, ..] = figure.shown().map(|value| significant(value, DIGITS));
+        let quartiles = if figure.count > 1 { format!(" ({low} to {high})") } else { String::new() };
+        Some(format!("{} {median} {}{quartiles}", quantity.words, quantity.unit))
+    };
+    scatter.figures.iter().filter_map(of).collect::<Vec<_>>().join(", ")
 }

@@ -5,20 +5,17 @@
 
 mod runs;
 mod search;
-mod sweep;
 
+use serde_json::{Map, Value, json};
+
+use crate::drawn;
+use crate::html::{self, Card, Cell, escape, folded};
+use crate::progress_page::runs::{Counts, Runs, SweepRuns};
+use crate::progress_page::search::Search;
 use base::number::{significant, wall_time};
 use plot::thinned;
-use serde_json::{Map, Value, json};
 use study::evaluate::{Evaluation, RunEvent};
 use study::identify::SearchEvent;
-
-use super::drawn;
-use super::html::{self, escape};
-use super::table::{self, Cell, folded};
-use runs::{Counts, Runs};
-use search::Search;
-use sweep::SweepRuns;
 
 /// Most points of all plots of a page, which is written again and again.
 const MOST_POINTS: usize = 40_000;
@@ -217,8 +214,7 @@ impl StudyProgress {
     /// `progress.html`.
     pub fn page(&self, time: PageTime) -> String {
         let title = format!("{}: {}", self.call.name, self.state.word());
-        let body = [
-            format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(&title), escape(&self.sentence(time.elapsed))),
+        let parts = [
             self.renewal(time),
             self.cards(),
             self.bar(),
@@ -227,9 +223,8 @@ impl StudyProgress {
             self.runs.sections(time.elapsed),
             html::section("Messages", &html::list(&self.messages)),
             html::section("Stop and go on", &self.commands()),
-            format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
         ];
-        html::living_page(&title, &body.concat())
+        html::living_page(&title, &html::framed(&title, &self.sentence(time.elapsed), &parts))
     }
 
     fn sentence(&self, elapsed: f64) -> String {
@@ -260,11 +255,7 @@ impl StudyProgress {
         let Counts { waiting, running, done, known, failed } = counts;
         let taken = if known > 0 { format!("{known} of them known before") } else { String::new() };
         let card = |words: &str, count: usize, beside: &str| {
-            let beside =
-                if beside.is_empty() { String::new() } else { format!("<span class=\"beside\">{beside}</span>") };
-            format!(
-                "<li><span class=\"words\">{what} {words}</span><span class=\"value\">{count}</span>{beside}</li>\n"
-            )
+            Card { words: format!("{what} {words}"), value: &count.to_string(), beside, ..Card::default() }.html()
         };
         let cards = [
             card("waiting", waiting, ""),
@@ -272,7 +263,7 @@ impl StudyProgress {
             card("done", done, &taken),
             card("failed", failed, ""),
         ];
-        format!("<ul class=\"cards\">\n{}</ul>\n", cards.concat())
+        html::cards(&cards.concat())
     }
 
     /// How far all runs are, where their number is known.
@@ -319,7 +310,8 @@ impl StudyProgress {
             self.sweep.as_ref().and_then(SweepRuns::worst).map_or_else(String::new, |(number, words, value)| {
                 format!("<p>Largest {} so far: {}, of run {number}.</p>\n", escape(&words), escape(&value))
             });
-        [html::section("Best so far", &table::table(&head, &rows)), html::section("Worst so far", &worst)].concat()
+        [html::section("Best so far", &html::sorted_table(&head, &rows)), html::section("Worst so far", &worst)]
+            .concat()
     }
 
     /// The searches: the active ones and the last open, those before folded, and so are the phases before the last of each.

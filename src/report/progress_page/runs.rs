@@ -1,11 +1,11 @@
-//! The runs that a study asks for: how many wait, run, are done or failed, and how long the rest takes.
+//! The runs that a study asks for: how many wait, run, are done or failed, how long the rest takes; the worst run of a sweep so far.
 
+use crate::html::{self, Cell};
 use base::number::wall_time;
-use study::evaluate::RunEvent;
+use base::written::Reading;
+use study::evaluate::{Evaluation, RunEvent};
+use study::post::badness;
 use study::store::evaluations::Key;
-
-use super::super::html;
-use super::super::table::{self, Cell};
 
 /// Most causes of failures that are told apart.
 const MOST_CAUSES: usize = 50;
@@ -15,7 +15,7 @@ const MOST_RUNNING: usize = 32;
 
 /// Counts of runs, and those under way.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Runs {
+pub(crate) struct Runs {
     wanted: usize,
     taken: usize,
     ended: usize,
@@ -29,24 +29,24 @@ pub(super) struct Runs {
 
 /// Why runs or trials failed, each cause with how often.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Causes {
+pub(crate) struct Causes {
     counts: Vec<(String, usize)>,
     total: usize,
 }
 
 /// Numbers of runs or trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Counts {
-    pub(super) waiting: usize,
-    pub(super) running: usize,
-    pub(super) done: usize,
+pub(crate) struct Counts {
+    pub(crate) waiting: usize,
+    pub(crate) running: usize,
+    pub(crate) done: usize,
     /// Those of the done that were known before.
-    pub(super) known: usize,
-    pub(super) failed: usize,
+    pub(crate) known: usize,
+    pub(crate) failed: usize,
 }
 
 impl Causes {
-    pub(super) fn add(&mut self, cause: &str) {
+    pub(crate) fn add(&mut self, cause: &str) {
         self.total += 1;
         match self.counts.iter().position(|(known, _)| known == cause) {
             Some(place) => self.counts[place].1 += 1,
@@ -55,23 +55,23 @@ impl Causes {
         }
     }
 
-    pub(super) fn total(&self) -> usize {
+    pub(crate) fn total(&self) -> usize {
         self.total
     }
 
     /// A table of causes, the most frequent first; empty without failures.
-    pub(super) fn table(&self, what: &str) -> String {
+    pub(crate) fn table(&self, what: &str) -> String {
         let mut counts: Vec<&(String, usize)> = self.counts.iter().collect();
         counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         let row =
             |(cause, count): &&(String, usize)| vec![Cell::number(*count as f64, count.to_string()), Cell::text(cause)];
-        table::table(&[what, "cause"].map(Cell::text), &counts.iter().map(row).collect::<Vec<_>>())
+        html::sorted_table(&[what, "cause"].map(Cell::text), &counts.iter().map(row).collect::<Vec<_>>())
     }
 }
 
 impl Runs {
     /// Takes note of an event at this time after the beginning, s.
-    pub(super) fn note(&mut self, event: &RunEvent<'_>, now: f64) {
+    pub(crate) fn note(&mut self, event: &RunEvent<'_>, now: f64) {
         match event {
             RunEvent::Wanted(count) => self.wanted += count,
             RunEvent::Taken => self.taken += 1,
@@ -97,23 +97,23 @@ impl Runs {
     }
 
     /// So many runs are left, by an estimate.
-    pub(super) fn set_left(&mut self, left: usize) {
+    pub(crate) fn set_left(&mut self, left: usize) {
         self.left = Some(left);
     }
 
-    pub(super) fn counts(&self) -> Counts {
+    pub(crate) fn counts(&self) -> Counts {
         let failed = self.causes.total();
         let (running, done) = (self.running.len(), self.taken + self.ended);
         let waiting = self.wanted.saturating_sub(done + failed + running);
         Counts { waiting, running, done, known: self.taken, failed }
     }
 
-    pub(super) fn wanted(&self) -> usize {
+    pub(crate) fn wanted(&self) -> usize {
         self.wanted
     }
 
     /// Time to go, s, at the mean rate so far.
-    pub(super) fn to_go(&self, now: f64) -> Option<f64> {
+    pub(crate) fn to_go(&self, now: f64) -> Option<f64> {
         let Counts { waiting, running, failed, .. } = self.counts();
         let computed = self.ended + failed;
         let since = now - self.first?;
@@ -123,18 +123,54 @@ impl Runs {
     }
 
     /// The runs under way, and why others failed.
-    pub(super) fn sections(&self, now: f64) -> String {
+    pub(crate) fn sections(&self, now: f64) -> String {
         let row = |(_, name, since): &(Key, String, f64)| {
             vec![Cell::text(name), Cell::number(now - since, wall_time((now - since).max(0.0)))]
         };
         let running: Vec<Vec<Cell>> = self.running.iter().take(MOST_RUNNING).map(row).collect();
-        let running = table::table(&["run", "for"].map(Cell::text), &running);
+        let running = html::sorted_table(&["run", "for"].map(Cell::text), &running);
         [html::section("Under way", &running), html::section("Failed", &self.causes.table("runs"))].concat()
+    }
+}
+
+/// The figure by which the runs of a sweep are ranked, and the run that is worst by it.
+#[derive(Clone, Debug)]
+pub(crate) struct SweepRuns {
+    ranked: String,
+    /// Place and value.
+    worst: Option<(usize, f64)>,
+}
+
+impl SweepRuns {
+    pub(crate) fn new(ranked: &str) -> SweepRuns {
+        SweepRuns { ranked: ranked.to_owned(), worst: None }
+    }
+
+    /// Takes note of a run; a failed one has no figures.
+    pub(crate) fn add(&mut self, place: usize, evaluation: &Evaluation) {
+        if evaluation.failure.is_some() {
+            return;
+        }
+        let ranked = evaluation.figures.iter().find(|(name, _)| *name == self.ranked);
+        if let Some(value) = ranked.and_then(|(_, figure)| figure.number())
+            && self.worst.is_none_or(|(_, worst)| badness(&self.ranked, value) > badness(&self.ranked, worst))
+        {
+            self.worst = Some((place, value));
+        }
+    }
+
+    /// The run that is worst by the figure by which runs are ranked: number, words, and the value as it is read.
+    pub(crate) fn worst(&self) -> Option<(usize, String, String)> {
+        let (place, value) = self.worst?;
+        let (words, reading) = Reading::of_name(&self.ranked, value);
+        Some((place + 1, words, reading.text(value)))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use study::evaluate::Figure;
+
     use super::*;
 
     #[test]
@@ -158,5 +194,28 @@ mod tests {
         assert!((runs.to_go(3.0).unwrap() - 2.5 * 2.0 / 3.0).abs() < 1e-12);
         let html = runs.sections(3.0);
         assert!(html.contains("the film &lt;tore&gt;") && html.contains("<h2>Under way</h2>"), "{html}");
+    }
+
+    #[test]
+    fn the_worst_run_is_named_in_the_unit_in_which_it_is_read() {
+        let mut runs = SweepRuns::new("peak_force_N");
+        assert_eq!(runs.worst(), None);
+        let evaluation = |force: f64, failure: Option<&str>| Evaluation {
+            figures: vec![
+                ("peak_displacement_m".into(), Figure::Number(-0.1 * force)),
+                ("peak_force_N".into(), Figure::Number(force)),
+            ],
+            failure: failure.map(str::to_owned),
+            ..Evaluation::failed(String::new())
+        };
+        runs.add(7, &evaluation(1.0, None));
+        runs.add(3, &evaluation(2.0, None));
+        runs.add(5, &evaluation(9.0, Some("the film tore")));
+        assert_eq!(runs.worst(), Some((4, "peak force".into(), "2 N".into())));
+        // The deepest run, although its displacement is the smallest number.
+        let mut deep = SweepRuns::new("peak_displacement_m");
+        deep.add(7, &evaluation(1.0, None));
+        deep.add(3, &evaluation(2.0, None));
+        assert_eq!(deep.worst(), Some((4, "peak displacement".into(), "\u{2212}200 mm".into())));
     }
 }

@@ -1,11 +1,10 @@
 //! A search while it runs: its trials, the best so far, and its curves.
 
+use crate::progress_page::runs::{Causes, Counts};
+use crate::script_output::{simulated, target};
 use plot::{Axis, Curve, Plot, Scale};
 use study::identify::{Evaluation, Labels, Progress, SearchStart, TrialEvent};
 use study::script::{Compared, ConvergenceHistory, Fit};
-
-use super::super::convergence::{simulated, target};
-use super::runs::{Causes, Counts};
 
 /// Most trials whose errors are stored.
 const MOST_TRIALS: usize = 20_000;

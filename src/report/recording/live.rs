@@ -1,21 +1,20 @@
 //! A run in an open viewer while it computes: a thread of its own sends the snapshots, so that a slow viewer does not
 //! delay the run.
 
-use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
-use std::thread;
 use std::time::Duration;
+use std::{io, thread};
 
 use thiserror::Error;
-use viz::{Address, FilmSnapshot, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
-use super::{RecordingError, body, diagram, documents, events, film, signals, text};
 use crate::RunPage;
 use crate::film::is_finite;
+use crate::recording::{self, RecordingError, documents, signals, text};
 use lab::signal::{Channel, Recording};
 use scene::model::Model;
 use scene::simulate::SnapshotEvent;
 use study::post::ReferenceComparison;
+use viz::{Address, FilmSnapshot, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
 /// Longest wait for a viewer to answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
@@ -167,8 +166,9 @@ impl<'a> Live<'a> {
         let Live { model, comparison, scenario, .. } = *self;
         let signals = signals::charted(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&model.subject()));
-        let texts = [super::Text { title: super::SUMMARY.to_owned(), markdown: begun }, super::scenario(scenario)];
-        let quantities: Vec<Quantity> = film::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
+        let texts =
+            [text::Text { title: recording::SUMMARY.to_owned(), markdown: begun }, recording::scenario(scenario)];
+        let quantities: Vec<Quantity> = recording::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
         self.sent = samples(event);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
@@ -176,11 +176,11 @@ impl<'a> Live<'a> {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
-            extent: film::extent(event.films, &[event.snapshot]),
-            documents: texts.iter().map(super::Text::document).collect(),
+            extent: recording::film_extent(event.films, &[event.snapshot]),
+            documents: texts.iter().map(text::Text::document).collect(),
             quantities,
-            films: film::tracks(event.films),
-            bodies: body::tracks(model, event.impactors, &[event.snapshot]),
+            films: recording::film_tracks(event.films),
+            bodies: recording::body_tracks(model, event.impactors, &[event.snapshot]),
             signals: signals.tracks,
             charts: signals.charts,
             more_charts: signals.more_charts,
@@ -194,8 +194,8 @@ impl<'a> Live<'a> {
         let (signals, energies) = (since(event.signals, signals), since(event.energies, energies));
         State {
             time: event.snapshot.time,
-            films: films.map(|(face, film)| film::state(film, event.snapshot, face)).collect(),
-            poses: body::poses(event.snapshot).collect(),
+            films: films.map(|(face, film)| recording::film_state(film, event.snapshot, face)).collect(),
+            poses: recording::poses(event.snapshot).collect(),
             samples: signals::charted(&signals, &energies, None, f64::INFINITY).tracks,
             ranges,
         }
@@ -203,7 +203,7 @@ impl<'a> Live<'a> {
 
     /// The extended colour ranges, where the snapshot exceeds the present ones.
     fn wider(&self, event: &SnapshotEvent<'_>) -> Option<Vec<[f32; 2]>> {
-        let now = film::quantities(&[event.snapshot]);
+        let now = recording::quantities(&[event.snapshot]);
         let wider = now.iter().zip(&self.ranges).map(|(quantity, range)| match quantity.range {
             [_, high] if high > range[1] => [range[0], MARGIN * high],
             _ => *range,
@@ -222,8 +222,8 @@ impl<'a> Live<'a> {
             signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
             charts: all.charts,
             more_charts: all.more_charts,
-            diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
-            events: events::listed(run),
+            diagrams: recording::diagrams("plots", &results.script_output.plots).collect(),
+            events: text::listed(run),
             ..Scene::default()
         }
     }

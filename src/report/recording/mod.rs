@@ -1,27 +1,31 @@
 //! Rerun recordings of runs: film, impactors, signals, events.
 
-mod body;
-mod diagram;
-mod events;
-mod film;
-mod points;
 mod live;
 mod signals;
 mod text;
 
 use std::path::Path;
-
 use std::time::Duration;
 
 use thiserror::Error;
-use viz::{Document, Scene, Stage, VizError};
 
-use super::film::is_finite;
-use super::{RunPage, figure};
+use crate::film::is_finite;
+use crate::recording::text::Text;
+use crate::run_scene::{Field, SceneBody};
+use crate::{RunPage, figure};
 use base::number::significant;
-pub use live::{Live, LiveError};
-use scene::simulate::Snapshot;
-use text::Text;
+use membrane::engine::Surface;
+use plot::viridis::{VIRIDIS, viridis};
+use plot::{Axis, Curve, Look, Plot, Scale};
+use scene::model::Model;
+use scene::simulate::{Film, FilmSpring, Image, Snapshot};
+use study::field_comparison::FieldComparison;
+use viz::{
+    self, BodyTrack, Diagram, Document, Extent, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Quantity, Scene,
+    SpringTrack, Stage, VizError,
+};
+
+pub use crate::recording::live::{Live, LiveError};
 pub use viz::Address;
 
 /// Why a recording was not written.
@@ -46,7 +50,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
     // One face after the other: consecutive snapshots of one entity compress better.
     for (face, film) in outcome.films.iter().enumerate() {
         for snapshot in &snapshots {
-            stage.film(face, &film::state(film, snapshot, face))?;
+            stage.film(face, &film_state(film, snapshot, face))?;
         }
     }
     Ok(stage.finish(WRITE_TIMEOUT)?)
@@ -59,18 +63,18 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
     Scene {
         name: model.name.clone(),
         is_live: false,
-        extent: film::extent(&outcome.films, &ends(snapshots, run.failure.is_some())),
+        extent: film_extent(&outcome.films, &ends(snapshots, run.failure.is_some())),
         duration: model.run_time(),
         documents: documents(run),
-        quantities: film::quantities(snapshots),
-        films: film::tracks(&outcome.films),
-        bodies: body::tracks(model, &outcome.impactors, snapshots),
-        points: points::tracks(results.field.as_deref()),
+        quantities: quantities(snapshots),
+        films: film_tracks(&outcome.films),
+        bodies: body_tracks(model, &outcome.impactors, snapshots),
+        points: point_tracks(results.field.as_deref()),
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
-        diagrams: diagram::diagrams("plots", &results.script_output.plots).collect(),
-        events: events::listed(run),
+        diagrams: diagrams("plots", &results.script_output.plots).collect(),
+        events: text::listed(run),
     }
 }
 
@@ -100,7 +104,7 @@ fn documents(run: &RunPage) -> Vec<Document> {
         findings.map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code)).collect();
     let figures = figure::markdown(&results.summary(model));
     let field = results.field.as_deref().map_or(String::new(), |field| {
-        let largest = significant(points::range(field) * 1e3, 3);
+        let largest = significant(error_range(field) * 1e3, 3);
         format!(
             "Points are those of the field, moved as measured; their colours are errors from 0 to {largest} mm.\n\n"
         )
@@ -118,10 +122,192 @@ fn documents(run: &RunPage) -> Vec<Document> {
     texts.map(|text| text.document()).collect()
 }
 
+/// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
+pub(crate) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
+    let films = snapshots.first().map_or(&[][..], |snapshot| &snapshot.films);
+    let quantity = |Field { key, title, symbol, unit, .. }: &Field, range| Quantity {
+        key,
+        title: (*title).to_owned(),
+        words: format!("{symbol}, {unit}"),
+        range,
+        colours: &VIRIDIS,
+    };
+    let states = || snapshots.iter().flat_map(|snapshot| &snapshot.films);
+    Field::all_in(films).map(|field| quantity(field, field.range(states()))).collect()
+}
+
+/// All faces.
+pub(crate) fn film_tracks(films: &[Film]) -> Vec<FilmTrack> {
+    films.iter().enumerate().map(|(face, film)| track(film, face)).collect()
+}
+
+/// Bounds of the faces in all of `snapshots`.
+pub(crate) fn film_extent(films: &[Film], snapshots: &[&Snapshot]) -> Extent {
+    let faces = films.iter().enumerate().map(|(face, film)| (face, film, track(film, face)));
+    faces.fold(Extent::default(), |extent, (face, film, track)| {
+        snapshots.iter().fold(extent, |extent, snapshot| extent.with(&track, &film_state(film, snapshot, face)))
+    })
+}
+
+fn track(film: &Film, face: usize) -> FilmTrack {
+    FilmTrack {
+        name: format!("face-{}", face + 1),
+        nodes: film.nodes,
+        triangles: triangles(film),
+        held: film.held.clone(),
+        springs: film.springs.iter().map(spring).collect(),
+        images: film.images().skip(1).map(Image::signs).collect(),
+    }
+}
+
+fn spring(FilmSpring { anchor, nodes, shares }: &FilmSpring) -> SpringTrack {
+    SpringTrack { anchor: *anchor, nodes: *nodes, shares: *shares }
+}
+
+/// One face in a snapshot.
+pub(crate) fn film_state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmSnapshot {
+    let state = &snapshot.films[face];
+    FilmSnapshot {
+        time: snapshot.time,
+        positions: state.positions.clone(),
+        values: Field::all_in(&snapshot.films)
+            .map(|field| field.at_nodes(film.nodes, film.outlines(), state))
+            .collect(),
+        visible: per_triangle(film, |element| !state.failed[element]),
+        in_contact: state.in_contact.clone(),
+    }
+}
+
+/// Quadrilaterals as two triangles each, then the triangles.
+fn triangles(film: &Film) -> Vec<[u32; 3]> {
+    let halves = |&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]];
+    let quads = film.quads.iter().flat_map(halves);
+    quads.chain(film.tris.iter().copied()).collect()
+}
+
+/// A value of each element, repeated for each of its triangles.
+fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
+    let quads = film.quads.len();
+    let of_quads = (0..quads).flat_map(|quad| [value(quad); 2]);
+    let of_tris = (0..film.tris.len()).map(|tri| value(quads + tri));
+    of_quads.chain(of_tris).collect()
+}
+
+/// Sides of a round impactor.
+const SIDES: u32 = 64;
+
+/// The impactors of `model` in the snapshots, and the bars of its frame.
+pub(crate) fn body_tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapshot]) -> Vec<BodyTrack> {
+    let track = |(index, (surface, name)): (usize, (&Surface, Option<&str>))| {
+        let SceneBody { points, patches } = SceneBody::from_surface(surface, SIDES);
+        let triangles = patches.iter().map(|&[a, b, c, _]| [a, b, c]).collect();
+        let poses = snapshots.iter().filter_map(|snapshot| poses(snapshot).nth(index)).collect();
+        let name = name.map_or_else(|| "impactor".to_owned(), |name| format!("impactors/{name}"));
+        BodyTrack { name, points, triangles, poses }
+    };
+    let bars = model.frame.bars.map(|_| Some("frame"));
+    let mut tracks: Vec<BodyTrack> =
+        impactors.iter().zip(model.names().into_iter().chain(bars)).enumerate().map(track).collect();
+    if let Some(frame) = tracks.last_mut().filter(|_| bars.is_some()) {
+        frame.name = "frame".to_owned();
+    }
+    tracks
+}
+
+/// The poses of the impactors in a snapshot.
+pub(crate) fn poses(snapshot: &Snapshot) -> impl Iterator<Item = Pose> {
+    snapshot.impactors.iter().map(|(position, rotation)| Pose {
+        time: snapshot.time,
+        position: position.map(|c| c as f32),
+        rotation: rotation.map(|c| c as f32),
+    })
+}
+
+/// Share of the points whose error lies within the range of colours.
+const WITHIN: f64 = 0.99;
+/// Radius of a point over the distance of points.
+const RADIUS: f64 = 0.3;
+
+/// The points on the film, moved as they were measured.
+fn point_tracks(field: Option<&FieldComparison>) -> Vec<PointTrack> {
+    let Some(field) = field else { return vec![] };
+    let largest = error_range(field);
+    let state = |state: &study::field_comparison::StateErrors| {
+        let points = || state.points.iter().filter(|point| field.on_film[point.place as usize]);
+        let position = |point: &study::field_comparison::PointError| {
+            let place = field.places[point.place as usize];
+            [0, 1, 2].map(|axis| (place[axis] + point.measured[axis]) as f32)
+        };
+        let colour = |point: &study::field_comparison::PointError| {
+            viridis((point.size() / largest) as f32).map(|part| part.round() as u8)
+        };
+        PointState {
+            time: state.time,
+            positions: points().map(position).collect(),
+            colours: points().map(colour).collect(),
+        }
+    };
+    let states: Vec<PointState> = field.states.iter().map(state).collect();
+    vec![PointTrack { name: "field".into(), radius: (RADIUS * apart(field)) as f32, states }]
+}
+
+/// The end of the range of colours, m.
+fn error_range(field: &FieldComparison) -> f64 {
+    let points = field.states.iter().flat_map(|state| &state.points);
+    let mut sizes: Vec<f64> =
+        points.filter(|point| field.on_film[point.place as usize]).map(|point| point.size()).collect();
+    if sizes.is_empty() {
+        return f64::MIN_POSITIVE;
+    }
+    let place = ((sizes.len() - 1) as f64 * WITHIN) as usize;
+    (*sizes.select_nth_unstable_by(place, f64::total_cmp).1).max(f64::MIN_POSITIVE)
+}
+
+/// About the distance of points, m.
+fn apart(field: &FieldComparison) -> f64 {
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64| field.places.iter().map(|place| place[axis]).reduce(pick);
+    let side = |axis| bound(axis, f64::max).unwrap_or(0.0) - bound(axis, f64::min).unwrap_or(0.0);
+    (side(0) * side(1) / field.places.len().max(1) as f64).sqrt()
+}
+
+/// A diagram for each plot, at an entity below `folder`.
+pub(crate) fn diagrams<'a>(
+    folder: &'a str,
+    plots: impl IntoIterator<Item = &'a Plot> + 'a,
+) -> impl Iterator<Item = Diagram> + 'a {
+    plots.into_iter().enumerate().map(move |(index, plot)| diagram(format!("{folder}/{index}"), plot))
+}
+
+/// A plot at the entity `path`.
+fn diagram(path: String, plot: &Plot) -> Diagram {
+    Diagram {
+        path,
+        title: plot.title.clone(),
+        axes: [axis(&plot.x), axis(&plot.y)],
+        curves: plot.curves.iter().map(curve).collect(),
+        window: plot.window.as_ref().map(|window| viz::Window { label: window.label.clone(), ends: window.range }),
+    }
+}
+
+fn curve(curve: &Curve) -> viz::Curve {
+    let look = match curve.look {
+        Look::Line => viz::Look::Line,
+        Look::Dashed => viz::Look::Dashed,
+        Look::Points => viz::Look::Points,
+    };
+    viz::Curve { name: curve.name.clone(), points: curve.points.clone(), look }
+}
+
+fn axis(axis: &Axis) -> viz::Axis {
+    viz::Axis { label: axis.label.clone(), logarithmic: axis.scale == Scale::Logarithmic }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use scene::mesh::{Mesh, Quality};
     use scene::simulate::FilmState;
+
+    use super::*;
 
     #[test]
     fn snapshots_with_infinite_positions_are_not_drawn() {
@@ -136,5 +322,28 @@ mod tests {
         };
         assert_eq!(at(drawn.clone()), [0.0, 1.0, 1e9]);
         assert_eq!((at(ends(&drawn, false)), at(ends(&drawn, true))), (vec![0.0, 1e9], vec![0.0]));
+    }
+
+    #[test]
+    fn a_quadrilateral_is_two_triangles() {
+        let film = Film {
+            nodes: 6,
+            quads: vec![[0, 1, 2, 3]],
+            tris: vec![[1, 4, 2], [4, 5, 2]],
+            held: vec![],
+            springs: vec![],
+            mirrored: [false; 2],
+            quality: Quality::from_mesh(&Mesh::default()),
+        };
+        assert_eq!(triangles(&film).len(), 4);
+        assert_eq!(per_triangle(&film, |element| element != 2), [true, true, true, false]);
+    }
+
+    #[test]
+    fn an_undeformed_film_has_the_lowest_colour() {
+        for quantity in quantities(&[]) {
+            let [low, high] = quantity.range;
+            assert!(low == 0.0 && high > 0.0, "{}: {low} to {high}", quantity.title);
+        }
     }
 }

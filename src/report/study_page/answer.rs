@@ -1,12 +1,14 @@
 //! What a study answers: how its curves compare with those measured, and how well its parameters are known.
 
-use super::super::ranges::{Line, Look, ranges};
-use super::super::{convergence, drawn};
-use super::estimates::Estimate;
+use serde_json::Value;
+
+use crate::drawn::{self, Line, RangeLook, ranges};
+use crate::html::{self, Card, escape};
+use crate::script_output;
+use crate::study_page::estimates::Estimate;
 use base::units::Unit;
 use base::written::{Reading, digits, figure};
 use plot::{Plot, thinned};
-use serde_json::Value;
 use study::script::{self, ConvergenceHistory, Row, ScriptOutput};
 
 /// Most curves that are shown over those measured.
@@ -135,7 +137,7 @@ fn known(estimates: &[Estimate]) -> Option<String> {
 /// Identified curves over those measured, small and side by side (HTML).
 pub(super) fn curves(output: &ScriptOutput) -> String {
     let plot = |fit: &Fit| {
-        let plot = convergence::best(fit.search, fit.fit, "identified");
+        let plot = script_output::best_fit(fit.search, fit.fit, "identified");
         Plot { title: format!("{}: {} % apart", fit.name(), digits(100.0 * fit.error)), ..plot }
     };
     let plots: Vec<Plot> = fits(output).iter().take(MOST_FITS).map(plot).collect();
@@ -155,17 +157,14 @@ pub(super) fn parameters(estimates: &[Estimate]) -> String {
         let is_alone = own.iter().all(|one| one.test.is_none());
         let lines: Vec<Line> = own.iter().map(|one| line(one, is_alone)).collect();
         let heading = if is_alone { String::new() } else { own[0].title() };
-        ranges(&heading, Look::Dots, &lines)
+        ranges(&heading, RangeLook::Dots, &lines)
     };
     let blocks: String = names.into_iter().map(of).collect();
-    if blocks.is_empty() {
-        return blocks;
-    }
     let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; diamonds: {what}"));
     let basis = estimates.iter().find_map(|one| one.basis.as_ref());
     let basis = basis.map(|basis| format!(", by the {basis}")).unwrap_or_default();
     let note = format!("Dots with their intervals of 95 %{basis}{}.", marks.unwrap_or_default());
-    format!("<div class=\"blocks\">\n{blocks}</div>\n<p class=\"note\">{note}</p>\n")
+    html::blocks(&blocks, &note)
 }
 
 fn line(one: &Estimate, is_alone: bool) -> Line {
@@ -209,16 +208,13 @@ pub(super) fn cards(measures: &Row) -> String {
         };
         let beside = ends(name).map_or_else(String::new, |(low, high)| {
             let reading = Reading::of_name(name, value.as_f64().unwrap_or(high)).1;
-            let range = reading.with_unit(&format!("{} to {}", reading.digits(low), reading.digits(high)));
-            format!("<span class=\"beside\">{}</span>", super::html::escape(&range))
+            reading.with_unit(&format!("{} to {}", reading.digits(low), reading.digits(high)))
         });
-        let [name, words, shown] = [name, &words, &shown].map(|text| super::html::escape(text));
-        Some(format!(
-            "<li><span class=\"words\" title=\"{name}\">{words}</span><span class=\"value\">{shown}</span>{beside}</li>\n"
-        ))
+        let (words, value) = (escape(&words), &escape(&shown));
+        Some(Card { title: name, words, value, beside: &beside, ..Card::default() }.html())
     };
     let cards: String = measures.keys().filter(is_end).filter_map(card).take(MOST_CARDS).collect();
-    if cards.is_empty() { cards } else { format!("<ul class=\"cards\">\n{cards}</ul>\n") }
+    html::cards(&cards)
 }
 
 /// The name of the figure's `end`, which stands before its unit: `mass_low_kg` of `mass_kg`.

@@ -5,10 +5,9 @@ mod estimates;
 
 use serde_json::{Map, Value};
 
-use super::html::{self, escape};
-use super::script_output::{Fold, counted};
-use super::table::folded;
-use super::{cell, figure, script_output};
+use crate::html::{self, folded};
+use crate::script_output::{self, Fold, counted};
+use crate::{cell, figure};
 use base::shell::quoted;
 use study::script::ScriptOutput;
 
@@ -36,8 +35,7 @@ pub fn study_page(study: &StudyPage) -> String {
     let estimates = estimates::estimates(output);
     let lead = answer::sentence(output, &estimates, script);
     let measures = &output.measures;
-    let body = [
-        format!("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape(study.name), escape(&lead)),
+    let parts = [
         answer::cards(measures),
         html::section("Measured and identified", &answer::curves(output)),
         html::section("Parameters", &answer::parameters(&estimates)),
@@ -48,9 +46,8 @@ pub fn study_page(study: &StudyPage) -> String {
         html::section("What was run", &run(study.call)),
         html::section("Script", &texts(study)),
         html::section("Run it again", &again(study.call)),
-        format!("<footer>droptower {}</footer>\n", env!("CARGO_PKG_VERSION")),
     ];
-    html::page(study.name, &body.concat())
+    html::finished(study.name, &lead, &parts)
 }
 
 /// The script and its modules.
@@ -70,7 +67,7 @@ fn run(call: &Map<String, Value>) -> String {
         other => cell(other),
     };
     let rows = call.iter().map(|(name, value)| vec![name.clone(), written(value)]);
-    html::table(&[], &rows.filter(|row| !row[1].is_empty()).collect::<Vec<_>>())
+    html::table::<&str>(&[], &rows.filter(|row| !row[1].is_empty()).collect::<Vec<_>>())
 }
 
 fn argument((name, value): (&String, &Value)) -> String {
@@ -105,6 +102,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::html::escape;
     use base::finding::Finding;
     use study::script::Warning;
 
@@ -116,7 +114,7 @@ mod tests {
         });
         let html = again(call.as_object().unwrap());
         let command = "droptower script scripts/identify.rhai --scenario drop/1008.toml --unset reference \
-                       --set 'specimen.mesh.size=20 mm' --arg 'start=it'\\''s' --arg starts=5";
+                   --set 'specimen.mesh.size=20 mm' --arg 'start=it'\\''s' --arg starts=5";
         assert!(html.contains(&escape(command)), "{html}");
     }
 

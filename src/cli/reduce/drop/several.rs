@@ -4,12 +4,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::args::{DropArgs, Recordings};
-use super::reduce::{Reading, Reducer};
-use super::write_page;
-use crate::command_line::command_line;
 use crate::failure::ExitStatus;
-use crate::{Failure, Shared, findings, output, print_figures, table};
+use crate::reduce::drop::reduce::{Reading, Reducer};
+use crate::reduce::drop::{DropArgs, Recordings, write_page};
+use crate::shell::command_line;
+use crate::{Failure, Shared, output, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::{rounded, significant};
@@ -155,7 +154,7 @@ fn rows(tests: &[DropTest]) -> String {
     let lines: Vec<Vec<String>> = std::iter::once(head).chain(names.iter().zip(tests).map(row)).collect();
     let beside = |test: &DropTest| test.cause().unwrap_or_else(|| test.codes().join(", "));
     let beside = std::iter::once("findings, or why there is no drop".to_owned()).chain(tests.iter().map(beside));
-    let lines = table::aligned(&lines, 1);
+    let lines = terminal::aligned(&lines, 1);
     lines.lines().zip(beside).map(|(line, beside)| format!("{}\n", format!("{line}  {beside}").trim_end())).collect()
 }
 
@@ -170,7 +169,7 @@ fn medians(scatter: &DropScatter) -> String {
     };
     let head = std::iter::once(title).chain(head).collect();
     let lines: Vec<Vec<String>> = std::iter::once(head).chain(scatter.figures.iter().filter_map(row)).collect();
-    format!("\n{}", table::aligned(&lines, 1))
+    format!("\n{}", terminal::aligned(&lines, 1))
 }
 
 /// The findings, one line a code: the first that was reported, and how many recordings have it.
@@ -191,7 +190,7 @@ fn reported(tests: &[DropTest]) -> String {
         Finding { message: of, ..first.clone() }
     };
     let all: Vec<Finding> = groups.into_iter().map(shown).collect();
-    if all.is_empty() { String::new() } else { format!("\n{}", findings::lines("  ", &all)) }
+    if all.is_empty() { String::new() } else { format!("\n{}", terminal::findings("  ", &all)) }
 }
 
 /// The table that is written: SI, with every figure that is a number.

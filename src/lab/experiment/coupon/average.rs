@@ -1,5 +1,7 @@
 //! Means: of figures, of groups of figures, and of curves.
 
+use serde::Serialize;
+
 use super::Curve;
 use crate::error::{Error, refusal};
 
@@ -7,7 +9,7 @@ use crate::error::{Error, refusal};
 pub const AXIS: usize = 600;
 
 /// Mean, scatter and number of repeated figures.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SampleStatistics {
     /// Arithmetic mean.
     pub mean: f64,

@@ -1,0 +1,541 @@
+//! `droptower script` and `calibrate`: a Rhai script over scenarios, or a study in its place.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use rhai::{Dynamic, Engine, Scope};
+use serde_json::{Map, Value, json};
+
+use crate::args::{Changes, Given};
+use crate::failure::{ExitStatus, both, reading, refuse, script};
+use crate::farm::{self, Ends, ShardArgs};
+use crate::live_page::LivePage;
+use crate::shipped::{self, Named};
+use crate::{Failure, Shared, folder, print_figures, shell, terminal};
+use base::diagnostic::{Diagnostic, printable, shown_path};
+use base::finding::Finding;
+use base::units::with_decimal_point;
+use report::StudyPage;
+use scene::scenario::Assignment;
+use study::calibrate::{self, StudyFile};
+use study::evaluate::{EvaluationError, Evaluations};
+use study::identify::{self, SearchEvent, SearchHost};
+use study::scenario_functions::{self, Scenarios};
+use study::script::{
+    About, Arguments, Fault, Limits, Message, OutputCollector, Script, ScriptOutput, Session, Warning, stop_beyond,
+    to_json,
+};
+use study::store::evaluations::Share;
+use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, StoreError, run_files};
+use study::{functions, sweep};
+
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub(crate) struct ScriptArgs {
+    /// The Rhai script: a file, or the name of a shipped one (`--list`)
+    #[arg(value_name = "SCRIPT", required_unless_present_any = ["help", "list"], add = shell::scripts())]
+    pub path: Option<PathBuf>,
+    /// Print what the script does and its arguments; without a script, what this command does
+    #[arg(long, short)]
+    pub help: bool,
+    /// List the shipped scripts
+    #[arg(long)]
+    pub list: bool,
+    /// Find mistakes in the script and its arguments without running it
+    #[arg(long)]
+    pub check: bool,
+    #[command(flatten)]
+    pub given: Given,
+    /// Folder for the results, in place of runs/<name of the script>
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace results of another scenario or script in the same folder
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub farm: ShardArgs,
+    /// Folder of the evaluations that are never computed twice
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    pub store: PathBuf,
+    /// The file of a calibration, which stands in the place of the script
+    #[arg(skip)]
+    pub study: Option<Arc<StudyFile>>,
+}
+
+/// Names that belong to a study's summary.
+const RESERVED: [&str; 10] =
+    ["script", "droptower", "study", "answer", "warning", "warnings", "findings", "tables", "plots", "files"];
+
+/// A script that was run, and its output.
+struct ScriptRun {
+    /// The script's name.
+    name: String,
+    /// Script, scenario, changes and arguments, which run the study again.
+    call: Map<String, Value>,
+    /// The script and its modules.
+    program: Script,
+    output: ScriptOutput,
+    /// The finding that recordings behind it are virtual, which its output begins with.
+    virtual_recordings: Option<Finding>,
+    /// Why it ended before its end, of a script that had results by then.
+    failure: Option<Failure>,
+}
+
+impl ScriptArgs {
+    /// The script; there is one unless help is asked for.
+    fn path(&self) -> &Path {
+        self.path.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// A fault of the script, in a study at the line of its file.
+    fn fault(&self, fault: &Fault) -> Diagnostic {
+        let own = script(fault);
+        match self.study.as_ref().filter(|_| fault.file == self.path()) {
+            Some(study) => Diagnostic { span: None, ..own }.at(&study.place(fault.line)),
+            None => own,
+        }
+    }
+}
+
+pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
+    let begin = Instant::now();
+    if args.help {
+        return shipped::show(args.path.as_deref(), shared);
+    }
+    if args.list {
+        return shipped::list(shared);
+    }
+    if args.study.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
+        let mistake = Diagnostic::new(format!("{} is no script", shown_path(args.path())));
+        let path = shown_path(args.path());
+        let hint = format!("`droptower run {path}` runs a scenario, `droptower calibrate {path}` a study");
+        return Err(mistake.hint(hint).into());
+    }
+    let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let origin = Origin::of_script(args.path(), args.given.scenario.as_deref().map(Path::new));
+    let place = folder::place(args.out.as_deref(), &name, args.force, &origin)?;
+    let (share, deadline) = both(args.farm.share(), args.farm.deadline(begin))?;
+    if args.check {
+        return check(args, &place, shared);
+    }
+    let page = LivePage::new(&name, ProgressFolder::new(&place, share), {
+        let quiet = shared.quiet;
+        move |line| tell(&format!("note: {line}"), quiet)
+    });
+    let runs = page.clone();
+    let evaluations = Evaluations::open(&args.store).map_err(|error| unkept(&error))?.with_share(share);
+    let evaluations = Arc::new(evaluations.with_observer(move |event| runs.note_run(&event)));
+    let stored = || -> Result<Option<(ScriptRun, Vec<String>)>, Failure> {
+        let ran = run_script(args, name, &place, (&evaluations, deadline), (&page, shared.quiet));
+        evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
+        let (run, is_stopped) = ran?;
+        if is_stopped {
+            return unfinished(&run, args, &evaluations, &page, shared).map(|()| None);
+        }
+        if share != Share::WHOLE {
+            if let Some(failure) = run.failure {
+                return Err(failure);
+            }
+            page.discard();
+            return part(args, &evaluations, shared).map(|()| None);
+        }
+        let (files, stored) = store_results(&run, args, &place, origin).map_err(|error| Failure::unstored(&error))?;
+        if let Some(Failure { diagnostics, .. }) = &run.failure {
+            tell(&format!("note: {} has what was found before", shown_path(&stored)), shared.quiet);
+            return Err(Failure { status: ExitStatus::OutputFailed, diagnostics: diagnostics.clone(), drawing: None });
+        }
+        page.ended(&run.name);
+        Ok(Some((run, files)))
+    };
+    let stored = stored().inspect_err(|failure| page.failed(failure))?;
+    let Some((run, files)) = stored else { return Ok(()) };
+    print_figures(shared, &summary(&run), || {
+        let ScriptRun { name, output, .. } = &run;
+        format!("{name}\n{}{}", terminal::script_output(output), folder::listing(&place, &files))
+    })
+}
+
+/// Finds mistakes without running anything; no store of evaluations is opened.
+fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
+    let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
+    let changes = args.given.changes.assignments()?;
+    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::without_loading(&args.store)), &host, &collector);
+    compiled(args, &engine, place)?;
+    if let Some(study) = &args.study {
+        // What a study reads before its first run is read.
+        calibrate::register_check(&mut engine, &Scenarios { changes, evaluations: None });
+        let faults = |faults: Vec<Fault>| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>();
+        let program = Script::compile(&engine, &Scope::new(), args.path(), study.beginning()).map_err(faults)?;
+        program.run(&engine, Scope::new()).map_err(|fault| Failure::from(args.fault(&fault)))?;
+    }
+    let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
+    print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
+}
+
+/// The answer of a process that computed a part of a study.
+fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
+    let [cache_hits, computed] = evaluations.counts();
+    let figures = json!({ "script": shown_path(args.path()), "reused": cache_hits, "computed": computed });
+    print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
+}
+
+/// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
+/// and leaves what it knows.
+fn unfinished(
+    run: &ScriptRun,
+    args: &ScriptArgs,
+    evaluations: &Evaluations,
+    page: &LivePage,
+    shared: &Shared,
+) -> Result<(), Failure> {
+    if evaluations.share() != Share::WHOLE {
+        page.stopped();
+        return part(args, evaluations, shared);
+    }
+    let mut summary_so_far = Map::from_iter([("stopped".to_owned(), Value::Bool(true))]);
+    summary_so_far.extend(page.summary());
+    summary_so_far.extend(summary(run));
+    let folder = page.folder();
+    let written = folder::json(&summary_so_far).and_then(|text| folder.write(STOPPED, &text));
+    page.stopped();
+    written.map_err(|error| Failure::unstored(&error))?;
+    let mistake = Diagnostic::new(format!("{} was stopped before its end", shown_path(args.path())));
+    let hint = "its runs are kept, and the same command goes on from there";
+    Err(Failure::output(mistake.hint(format!("{hint}; {} has the best so far", shown_path(folder.path())))))
+}
+
+/// Prints a line on standard error, unless `quiet`.
+fn tell(line: &str, quiet: bool) {
+    if !quiet {
+        // The report has every message, so one that cannot be printed is dropped.
+        let _ = writeln!(io::stderr(), "{}", printable(line));
+    }
+}
+
+/// Words of scripts that compute runs, which have a page from their beginning; others from their first run on.
+const RUNNING: [&str; 5] = ["simulate", "minimize", "sweep", "threshold", "calibrate"];
+
+fn unkept(error: &EvaluationError) -> Failure {
+    Failure::output(Diagnostic::new(error.to_string()))
+}
+
+/// Runs the script, whose results go to `place`; its messages are printed at once. With it, whether it was stopped.
+fn run_script(
+    args: &ScriptArgs,
+    name: String,
+    place: &Path,
+    (evaluations, deadline): (&Arc<Evaluations>, Option<Instant>),
+    (page, quiet): (&LivePage, bool),
+) -> Result<(ScriptRun, bool), Failure> {
+    let print_line = move |line: &str| tell(line, quiet);
+    let collector = OutputCollector::new(RESERVED.map(String::from).into());
+    let messages = page.clone();
+    let collector = collector.with_listener(move |message| {
+        let message = message.to_string();
+        print_line(&message);
+        messages.note_message(&message);
+    });
+    let (searches, shown) = (collector.clone(), page.clone());
+    let host = SearchHost::new(move |event| {
+        shown.note_search(&event);
+        match event {
+            SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
+            SearchEvent::Followed(text) => print_line(text),
+            SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
+            SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
+            SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
+        }
+    });
+    let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
+    let Compiled { program, scope, call } = compiled(args, &engine, place)?;
+    let stopped = |fault: Fault| match fault.numerical {
+        true => Failure::numerical(args.fault(&fault)),
+        false if fault.may_pass => Failure::output(args.fault(&fault)),
+        false => Failure::from(args.fault(&fault)),
+    };
+    let session = Session::of_engine(&engine);
+    let (stop, given_up) = (session.stop().clone(), session.cancellation().clone());
+    stop_beyond(&mut engine, Limits::STUDY, &given_up);
+    let ends = || Ends { stop: stop.clone(), given_up: given_up.clone() };
+    let told = page.clone();
+    farm::end_on_signals(ends(), move || {
+        tell("note: stops once what runs has ended; Ctrl-C again gives it up", quiet);
+        told.stopping();
+    })?;
+    let text = program.whole_text();
+    if RUNNING.iter().any(|word| text.contains(word)) {
+        page.begin();
+    }
+    let run = || page.during(|| program.run(&engine, scope));
+    let ran = farm::watched(evaluations, &given_up, deadline, run);
+    let (is_stopped, failure) = match ran {
+        Err(_) if ends().is_over() => (true, None),
+        Err(fault) if collector.output().tables.is_empty() => return Err(stopped(fault)),
+        Err(fault) => (false, Some(stopped(fault))),
+        Ok(_) => (false, None),
+    };
+    let [cache_hits, computed] = evaluations.counts();
+    if cache_hits > 0 {
+        let all = cache_hits + computed;
+        print_line(&format!("note: {cache_hits} of {all} runs were computed before ({})", shown_path(&args.store)));
+    }
+    let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
+    let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
+    if let Some(finding) = &virtual_recordings {
+        print_line(&Message::Finding(finding).to_string());
+    }
+    let of_runs = terminal::finding_of_runs(&Session::of_engine(&engine).run_findings());
+    if let Some(finding) = &of_runs {
+        print_line(&Message::Finding(finding).to_string());
+    }
+    let mut output = collector.output();
+    output.findings.splice(..0, virtual_recordings.clone());
+    output.findings.extend(of_runs);
+    if let Some(failure) = &failure {
+        let cause = failure.diagnostics.first().map_or_else(String::new, |own| own.message.clone());
+        output.findings.insert(0, Finding::new(&Warning::EndedEarly { cause }));
+    }
+    Ok((ScriptRun { name, call, program, output, virtual_recordings, failure }, is_stopped))
+}
+
+/// The interpreter with all functions of studies, whose scenarios have these changes.
+pub(crate) fn engine(
+    changes: Vec<Assignment>,
+    evaluations: &Arc<Evaluations>,
+    host: &SearchHost,
+    collector: &OutputCollector,
+) -> Engine {
+    let mut engine = functions::engine(Limits::STUDY);
+    functions::register_output(&mut engine, collector);
+    functions::register_reading(&mut engine);
+    Session::of_engine(&engine).report_to(collector);
+    let scenarios = Scenarios { changes, evaluations: Some(Arc::clone(evaluations)) };
+    scenario_functions::register(&mut engine, &scenarios);
+    identify::register(&mut engine, host);
+    sweep::register(&mut engine, evaluations);
+    calibrate::register(&mut engine, &scenarios, host, collector);
+    Arguments::register(&mut engine);
+    engine
+}
+
+/// The script that a study stands for.
+fn of_study(args: &ScriptArgs, study: &StudyFile) -> Named {
+    Named { path: args.path().to_owned(), text: Some(Cow::Owned(study.script.clone())) }
+}
+
+/// A script that can run.
+struct Compiled {
+    program: Script,
+    scope: Scope<'static>,
+    call: Map<String, Value>,
+}
+
+/// The script and its arguments, without mistakes.
+fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled, Failure> {
+    let given = args.given.values()?;
+    let call = call(args, &given, place)?;
+    let mut scope = Scope::new();
+    // The arguments are checked against what the script declares, so its text comes first.
+    scope.push_constant("args", Arguments::default());
+    let program =
+        match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |study| Ok(of_study(args, study)))? {
+            Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
+                .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
+            Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
+        };
+    let about = About::read(args.path(), program.text())?;
+    check_declared(&program, &about)?;
+    refuse(about.check(&given))?;
+    check_read(&program, &given)?;
+    check_commas(&program, &about, &given)?;
+    let mut scope = Scope::new();
+    scope.push_constant("args", Arguments::new(about.complete(&given)));
+    Ok(Compiled { program, scope, call })
+}
+
+/// Refuses declarations of arguments that the script does not read.
+fn check_declared(script: &Script, about: &About) -> Result<(), Failure> {
+    let unread = about.arguments.iter().filter(|one| !script.mentions_argument(&one.name));
+    refuse(unread.map(|one| Diagnostic::new(format!("the script declares --arg {} and does not read it", one.name))))
+}
+
+/// Refuses arguments that the script does not read: one that is misspelt would have no effect.
+fn check_read(script: &Script, given: &rhai::Map) -> Result<(), Failure> {
+    let unread = given.keys().filter(|name| !script.mentions_argument(name));
+    let mistake = |name: &rhai::Identifier| {
+        let how = if name == "scenario" { "--scenario".into() } else { format!("--arg {name}") };
+        Diagnostic::new(format!("the script does not read `args.{name}`"))
+            .hint(format!("leave {how} out, or correct it"))
+    };
+    refuse(unread.map(mistake))
+}
+
+/// Refuses `8,9`, which may be one number or two, unless the script declares or reads a list of numbers or a text.
+fn check_commas(script: &Script, about: &About, given: &rhai::Map) -> Result<(), Failure> {
+    let mistake = |(name, value): (&rhai::Identifier, &Dynamic)| {
+        let value = value.to_string();
+        let point = with_decimal_point(&value).filter(|point| point.parse::<f64>().is_ok())?;
+        if name == "scenario" || about.has_commas(name) || script.reads_list_or_text(name) {
+            return None;
+        }
+        let hint =
+            format!("write one number with a decimal point: {point}; a list with a space: \"{}\"", spaced(&value));
+        Some(Diagnostic::new(format!("decimal comma in --arg {name}={value}")).hint(hint))
+    };
+    refuse(given.iter().filter_map(mistake))
+}
+
+/// Script, scenario, changes and arguments as they were given, and the working folder seen from the results at `place`.
+fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String, Value>, Failure> {
+    let mut own = Map::new();
+    for (name, value) in given.iter().filter(|(name, _)| *name != "scenario") {
+        let value = to_json(value).map_err(|error| Diagnostic::new(format!("--arg {name}: {error}")))?;
+        own.insert(name.to_string(), value);
+    }
+    let call = [
+        ("script", json!(shown_path(args.path()))),
+        ("scenario", json!(args.given.scenario)),
+        ("set", json!(args.given.changes.set)),
+        ("unset", json!(args.given.changes.unset)),
+        ("args", Value::Object(own)),
+        (run_files::WORKING_FOLDER, json!(store::path_from(place, Path::new(".")))),
+    ];
+    Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
+}
+
+/// A list with a space behind its commas.
+fn spaced(list: &str) -> String {
+    list.trim().replace(',', ", ")
+}
+
+fn summary(run: &ScriptRun) -> Map<String, Value> {
+    let ScriptRun { name, call, output, virtual_recordings, .. } = run;
+    let mut summary = Map::new();
+    summary.insert("script".into(), json!(name));
+    summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
+    summary.insert("study".into(), Value::Object(call.clone()));
+    summary.extend(output.answer.iter().map(|answer| ("answer".into(), json!(answer))));
+    summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
+    let warnings = output.findings.iter().filter(|finding| finding.is_warning());
+    summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());
+    summary.insert("findings".into(), json!(output.findings));
+    summary.extend(output.measures.clone());
+    let tables = output.tables.iter().map(|(name, rows)| (name.clone(), json!(rows)));
+    summary.insert("tables".into(), Value::Object(tables.collect()));
+    summary.insert("plots".into(), output.plots.iter().map(|plot| plot.title.clone()).collect());
+    summary.insert("files".into(), output.files.names().into());
+    summary
+}
+
+/// Writes the results; those of a script that ended before its end go to a folder of their own. Their files, and where they are.
+fn store_results(
+    run: &ScriptRun,
+    args: &ScriptArgs,
+    place: &Path,
+    origin: Origin,
+) -> Result<(Vec<String>, PathBuf), StoreError> {
+    let ScriptRun { name, call, program, output, .. } = run;
+    let draft = Draft::begin(place, origin, args.force)?;
+    let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
+    let text = args.study.as_ref().map_or_else(|| program.text(), |study| &study.source.text);
+    let page = StudyPage { name, call, output, script: text, modules: &modules };
+    let files = folder::fill_study(&draft, &page, &summary(run))?;
+    let place = match run.failure {
+        Some(_) => draft.publish_failed()?,
+        None => draft.publish().map(|_| place.to_owned())?,
+    };
+    Ok((files, place))
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CalibrateArgs {
+    /// The study: tests, parameters, predictions (`droptower new study study.toml`)
+    #[arg(value_name = "STUDY", add = shell::scenarios())]
+    path: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
+    /// Find mistakes in the study without running it
+    #[arg(long)]
+    check: bool,
+    /// Folder for the results, in place of runs/<name of the study>
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace results of another study in the same folder
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    farm: ShardArgs,
+    /// Folder of the evaluations that are never computed twice
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    store: PathBuf,
+}
+
+pub(crate) fn calibrate(args: &CalibrateArgs, shared: &Shared) -> Result<(), Failure> {
+    let study = Some(Arc::new(StudyFile::read(&args.path)?));
+    let CalibrateArgs { path, changes, check, out, force, farm, store } = args.clone();
+    let given = Given { scenario: None, arg: Vec::new(), changes };
+    let script =
+        ScriptArgs { path: Some(path), help: false, list: false, check, given, out, force, farm, store, study };
+    run(&script, shared)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use study::script::{self, argument_value};
+
+    use super::*;
+
+    /// One comma between digits is a list where the script reads a list, a text where it reads a text, and otherwise one
+    /// number or two.
+    #[test]
+    fn a_comma_between_digits_is_what_the_script_reads() {
+        let given = |text: &str, value: &str| {
+            let mut engine = functions::engine(Limits::STUDY);
+            Arguments::register(&mut engine);
+            let mut scope = Scope::new();
+            scope.push_constant("args", Arguments::default());
+            let script = Script::compile(&engine, &scope, Path::new("s.rhai"), text).expect("a script");
+            let about = About::read(Path::new("s.rhai"), text).expect("declarations");
+            check_commas(&script, &about, &[("a".into(), argument_value(value))].into())
+        };
+        for script in ["args.a", "args.number(\"a\", 1)", "args.a; args.numbers(\"b\", [1, 2])"] {
+            let mistakes = given(script, "8,9").expect_err("a mistake").diagnostics;
+            assert_eq!(mistakes[0].message, "decimal comma in --arg a=8,9");
+            let hint = "write one number with a decimal point: 8.9; a list with a space: \"8, 9\"";
+            assert_eq!(mistakes[0].hint.as_deref(), Some(hint));
+            for value in ["8, 9", "2.75,3.41", "2,3,4", "a,b", "8"] {
+                assert!(given(script, value).is_ok(), "{script} {value}");
+            }
+        }
+        let declared = ["//! --arg a=1, 2  ends\nargs.a", "//! --arg a=x,y  names\nargs.a"];
+        let read = ["args.numbers(\"a\", [1, 2])", "let f = || { let t = args.text(\"a\", \"\"); t };"];
+        for script in [declared, read].concat() {
+            assert!(given(script, "8,9").is_ok(), "{script}");
+        }
+    }
+
+    #[test]
+    fn every_field_of_the_summary_is_reserved() {
+        let run = ScriptRun {
+            name: "study".into(),
+            call: Map::new(),
+            program: Script::compile(&script::engine(Limits::STUDY), &Scope::new(), Path::new("s.rhai"), "")
+                .expect("a script"),
+            output: ScriptOutput { answer: Some("yes".into()), ..ScriptOutput::default() },
+            virtual_recordings: Some(Finding::of_script("virtual-recording", "a recording is virtual")),
+            failure: None,
+        };
+        let fields: BTreeSet<String> = summary(&run).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(fields, RESERVED.map(String::from).into());
+        let refused = OutputCollector::new(RESERVED.map(String::from).into()).measure("warnings", json!(["none"]));
+        let message = refused.unwrap_err().to_string();
+        let expected = "`warnings` is a field of the summary and cannot be replaced: report a warning with";
+        assert!(message.starts_with(expected), "{message}");
+    }
+}

@@ -1,0 +1,139 @@
+//! Findings and tables on the terminal.
+
+use std::fmt::Write;
+
+use base::finding::{Finding, Severity};
+use report::{Figure, cell, columns};
+use study::codes;
+use study::script::{Row, RunFindings, ScriptOutput, Warning};
+
+/// The finding of a study whose runs have warnings; that recordings are virtual is a finding of its own.
+pub(crate) fn finding_of_runs(found: &RunFindings) -> Option<Finding> {
+    let is_warning = |code: &str| {
+        let severity = codes::find(code).map_or(Severity::Warning, |code| code.severity);
+        severity == Severity::Warning && !code.starts_with("virtual-")
+    };
+    Warning::of_runs(found, is_warning).map(|warning| Finding::new(&warning))
+}
+
+/// One line a finding, with its severity and code, each after `indent` and ending with a line break.
+pub(crate) fn findings<'f>(indent: &str, findings: impl IntoIterator<Item = &'f Finding>) -> String {
+    findings.into_iter().fold(String::new(), |mut text, finding| {
+        let _ = writeln!(text, "{indent}{finding}");
+        text
+    })
+}
+
+/// The findings of a run: a line each, and one line of those that its film's data leave open in every test.
+pub(crate) fn findings_of_run<'f>(indent: &str, findings: impl IntoIterator<Item = &'f Finding>) -> String {
+    let (open, own): (Vec<&Finding>, Vec<&Finding>) =
+        findings.into_iter().partition(|finding| codes::left_open(&finding.code).is_some());
+    let mut text = self::findings(indent, own);
+    let words: Vec<&str> = open.iter().filter_map(|finding| codes::left_open(&finding.code)).collect();
+    let names: Vec<&str> = open.iter().map(|finding| finding.code.as_str()).collect();
+    if !open.is_empty() {
+        let _ = writeln!(text, "{indent}what this film's data leave open [{}]: {}", names.join(", "), words.join(", "));
+    }
+    text
+}
+
+/// Most rows of a table that are printed; its file has all of them.
+const MOST_ROWS: usize = 40;
+
+/// The rows of a longer table that are printed from its beginning; the others are from its end.
+const FIRST_ROWS: usize = 10;
+
+/// The answer, figures and tables; every line ends with a line break.
+pub(crate) fn script_output(output: &ScriptOutput) -> String {
+    let answer = output.answer.iter().map(|answer| format!("  {answer}\n"));
+    let figures = output.measures.iter().filter_map(|(name, value)| Figure::from_value(name, value));
+    let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
+    let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", rows_of(rows)));
+    answer.chain(figures).chain(tables).collect()
+}
+
+/// The rows under the names of their columns, aligned to the right.
+fn rows_of(rows: &[Row]) -> String {
+    let columns = columns(rows);
+    let left_out = rows.len().saturating_sub(MOST_ROWS);
+    let (head, tail) = if left_out > 0 { (FIRST_ROWS, FIRST_ROWS + left_out) } else { (rows.len(), rows.len()) };
+    let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
+    let shown = rows[..head].iter().chain(&rows[tail..]).map(cells);
+    let text = table(0, &columns, shown);
+    if left_out == 0 {
+        return text;
+    }
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let (before, after) = lines.split_at(1 + head);
+    format!("{}    {left_out} rows not shown\n{}", before.concat(), after.concat())
+}
+
+/// Rows under a header, the first `words` columns aligned to the left, the others to the right.
+pub(crate) fn table<H: AsRef<str>>(
+    words: usize,
+    header: impl IntoIterator<Item = H>,
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> String {
+    let header = header.into_iter().map(|name| name.as_ref().to_owned()).collect();
+    aligned(&std::iter::once(header).chain(rows).collect::<Vec<Vec<String>>>(), words)
+}
+
+/// A line for each file that was written.
+pub(crate) fn written(files: &[String]) -> String {
+    files.iter().map(|file| format!("wrote {file}\n")).collect()
+}
+
+/// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right.
+pub(crate) fn aligned(lines: &[Vec<String>], words: usize) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |line: &Vec<String>| {
+        let cell = |(column, (cell, width)): (usize, (&String, &usize))| {
+            if column < words { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") }
+        };
+        let cells: String = line.iter().zip(&widths).enumerate().map(cell).collect();
+        format!("  {}\n", cells.trim_end())
+    };
+    lines.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use lab::signal::Warning;
+
+    use super::*;
+
+    #[test]
+    fn what_a_films_data_leave_open_is_one_line() {
+        let names = ["uncoupled-biaxial", "strain-rate-outside", "break-strain-of-coupons"];
+        assert!(names.iter().all(|name| codes::find(name).is_some() && codes::left_open(name).is_some()));
+        let open = names.map(|name| Finding::of_script(name, "65 % of the film"));
+        let text = findings_of_run("  ", open.iter().chain([&Finding::new(&Warning::NoTimeColumn)]));
+        let line = "  what this film's data leave open [uncoupled-biaxial, strain-rate-outside, break-strain-of-coupons]: coupling of MD and \
+                TD, strain rates, break strain\n";
+        assert!(text.lines().count() == 2 && text.ends_with(line), "{text}");
+    }
+
+    #[test]
+    fn cells_are_aligned_under_the_names_of_their_columns() {
+        let row = |layers: i64, travel: f64| match json!({ "layers": layers, "travel": travel }) {
+            serde_json::Value::Object(row) => row,
+            _ => Row::new(),
+        };
+        assert_eq!(
+            rows_of(&[row(8, -169.4413), row(10, -15.0)]),
+            "    layers  travel\n         8  -169.4\n        10  -15.00\n"
+        );
+        let rows: Vec<Row> = (1..=45).map(|layers| row(layers, 1.0)).collect();
+        let many = rows_of(&rows);
+        let lines: Vec<&str> = many.lines().map(str::trim_start).collect();
+        assert_eq!(
+            (lines.len(), lines[10], lines[11], lines[12]),
+            (42, "10   1.000", "5 rows not shown", "16   1.000")
+        );
+        assert_eq!(lines[41], "45   1.000");
+    }
+}
