@@ -1,7 +1,6 @@
 //! A clamp in which film slips (theory.md, equations 73 and 74).
 
 use nalgebra::{Isometry3, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::contact::Contact;
 use super::impact::Impact;
@@ -30,12 +29,6 @@ pub struct ClampedNode {
     pub bound: f64,
     /// Directions in which no mirror plane holds it.
     pub free: [bool; 3],
-}
-
-/// History of a clamp: its state from step to step.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct ClampHistory {
-    gone: Vec<bool>,
 }
 
 /// Motion of a node: where it is at the end of a step, and its velocity half a step before.
@@ -143,17 +136,22 @@ impl Clamp {
         gone.map(|(clamped, _)| clamped.bound).sum::<f64>() / all
     }
 
-    /// Its history, to be saved.
-    pub(super) fn save(&self) -> ClampHistory {
-        ClampHistory { gone: self.gone.clone() }
+    /// Which of its nodes have left it: its state from step to step.
+    pub(super) fn save(&self) -> Vec<bool> {
+        self.gone.clone()
     }
 
-    /// Restores its history.
-    pub(super) fn restore(&mut self, history: ClampHistory, nodes: &mut Nodes) {
-        self.gone = history.gone;
+    /// Restores its state, of as many nodes.
+    pub(super) fn restore(&mut self, gone: Vec<bool>, nodes: &mut Nodes) {
+        self.gone = gone;
         for (clamped, _) in self.nodes.iter().zip(&self.gone).filter(|(_, gone)| **gone) {
             nodes.release(clamped.node, clamped.free);
         }
+    }
+
+    /// Number of its nodes.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
     }
 }
 
@@ -161,13 +159,6 @@ impl ClampedNode {
     /// The part of a vector along directions in which no mirror plane holds the node.
     fn free_part(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| if self.free[axis] { vector[axis] } else { 0.0 })
-    }
-}
-
-impl ClampHistory {
-    /// Whether it is that of `clamp`.
-    pub(super) fn fits(&self, clamp: &Clamp) -> bool {
-        self.gone.len() == clamp.gone.len()
     }
 }
 

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::contact::Meeting;
 use super::impact::Impact;
 use super::rigid_body::RigidBody;
+use super::weighted_nodes::within_cone;
 
 /// Overlap over the size of the smaller body that is round-off.
 pub(super) const TOUCH: f64 = 1e-9;
@@ -161,8 +162,7 @@ impl Collision {
         let mass = self.inverse_effective_mass(&direction, a, b);
         if mass > 0.0 {
             let sticking = self.tangential_impulse - slip / mass;
-            let bound = self.friction * self.normal_impulse;
-            let kept = if sticking.norm() <= bound { sticking } else { sticking * (bound / sticking.norm()) };
+            let kept = within_cone(sticking, self.friction * self.normal_impulse);
             self.apply(&(kept - self.tangential_impulse), a, b);
             self.tangential_impulse = kept;
         }

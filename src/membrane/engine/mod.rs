@@ -4,7 +4,6 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
-mod bodies;
 mod clamp;
 mod collision;
 mod colouring;
@@ -13,28 +12,21 @@ mod cushion;
 mod disjoint;
 mod element;
 mod element_group;
-mod energy;
 mod failure;
-mod fault;
 mod film;
 mod film_contact;
 mod film_history;
 mod footprint;
-mod gas;
 mod guide_friction;
 mod impact;
 mod loads;
-mod mesh;
 mod mount;
 mod nodes;
 mod observer;
-mod patch;
 mod pressure;
-mod previous_step;
 mod relaxation;
 mod resolution;
 mod rigid_body;
-mod section;
 mod springs;
 #[cfg(test)]
 mod springs_tests;
@@ -53,22 +45,22 @@ pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, TooWide, Torn, UndefinedFibreDirection};
-pub use energy::{Energies, EnergyTerm};
 pub use failure::Failures;
-pub use fault::Fault;
+pub use failure::Fault;
 pub use film::{AddedMass, Film};
 pub use film_contact::FilmContactState;
 pub use guide_friction::GuideFriction;
 pub use impact::Impact;
 pub use loads::{Jaw, Loads};
-pub use mesh::Mesh;
+pub use mount::Mesh;
+pub use mount::Patch;
+pub use mount::Section;
 pub use nodes::{Nodes, Vectors};
 pub use observer::{BodyTrack, Observer, Track, Unobserved, View};
-pub use patch::Patch;
+pub use observer::{Energies, EnergyTerm};
 pub use pressure::{Filling, Inflation};
 pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
-pub use section::Section;
 pub use springs::{Spring, SpringLoad, Springs, SpringsState};
 pub use state::{State, StateMismatch};
 pub use thread_pool::ThreadPool;
@@ -84,8 +76,8 @@ use disjoint::Disjoint;
 use film::SharedFilm;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
+use observer::PreviousStep;
 use pressure::Inflated;
-use previous_step::PreviousStep;
 use serde::{Deserialize, Serialize};
 
 /// Films, nodes, impactors and loads, and their integration in time.

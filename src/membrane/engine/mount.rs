@@ -1,16 +1,18 @@
-//! Mounting: the elements of a film from a mesh.
+//! Films from meshes: nodes and elements of a face, the section that its elements are made of, and their mounting.
 
 use std::sync::Arc;
 
-use super::element::{self, Block, Blocks, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection};
+use nalgebra::Point3;
+
+use super::element::{
+    self, Block, Blocks, Forces, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection,
+};
 use super::element_group::{ElementGroup, Grouped};
 use super::film::Film;
-use super::mesh::Mesh;
-use super::nodes::Nodes;
-use super::section::Section;
+use super::nodes::{Nodes, Vectors};
 use super::tips::MirrorPlane;
-use crate::lane::LANES;
-use crate::material::{LawVisitor, MembraneLaw, ViscousLaw};
+use crate::lane::{LANES, Width};
+use crate::material::{Law, LawVisitor, MembraneLaw, Rupture, Thermal, Viscosity, ViscousLaw};
 
 /// Number of chunks of a film, where these stay within [`BLOCKS`].
 const CHUNKS: usize = 12;
@@ -115,5 +117,104 @@ impl Mount<'_> {
             }));
         }
         Ok(())
+    }
+}
+
+/// Properties of the elements of a face, which act as one membrane.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Constitutive law of one layer.
+    pub law: Law,
+    /// Prony series on the law, where film is viscous.
+    pub viscosity: Option<Viscosity>,
+    /// Rupture by a criterion of its own; without it fibres break at the end of their curves, and other film does not.
+    pub rupture: Option<Rupture>,
+    /// How film warms up by what it absorbs; without it film keeps its temperature.
+    pub thermal: Option<Thermal>,
+    /// kg/m³, with mass scaling.
+    pub density: f64,
+    /// Thickness of all layers, m.
+    pub thickness: f64,
+    /// Angle from the x axis to MD, rad.
+    pub md_angle: f64,
+    /// Engineering pre-strain along MD and TD: the stress-free length is the mounted one / (1 + pre-strain).
+    pub prestrain: [f64; 2],
+    /// Whether quadrilaterals have 2×2 integration points instead of one with hourglass control.
+    pub full_integration: bool,
+}
+
+impl Section {
+    /// Film without pre-strain, MD along x, of a law that does nothing besides it; one integration point an element.
+    pub fn new(law: Law, density: f64, thickness: f64) -> Section {
+        Section {
+            law,
+            viscosity: None,
+            rupture: None,
+            thermal: None,
+            density,
+            thickness,
+            md_angle: 0.0,
+            prestrain: [0.0; 2],
+            full_integration: false,
+        }
+    }
+}
+
+/// Nodes and elements of one face, flat or as imported, before any motion.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Positions, m.
+    pub nodes: Vec<Point3<f64>>,
+    /// Four-node elements, counter-clockwise seen from +z.
+    pub quads: Vec<[u32; 4]>,
+    /// Three-node elements, counter-clockwise seen from +z.
+    pub tris: Vec<[u32; 3]>,
+    /// Nodes on the film's own outer edge (not on a mirror plane), each once, ascending.
+    pub rim: Vec<u32>,
+    /// Nodes on the edges x-, x+, y-, y+ of the film, each once, ascending in this order.
+    pub sides: [Vec<u32>; 4],
+    /// Nodes on the mirror planes x = 0 and y = 0; empty without that symmetry.
+    pub mirrors: [Vec<u32>; 2],
+}
+
+/// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element.
+/// The law need not be one of [`crate::material::Law`].
+pub struct Patch<M: MembraneLaw, const L: usize> {
+    law: M,
+    quads: Quads<L, M::History<L>>,
+}
+
+impl<M: MembraneLaw, const L: usize> Patch<M, L> {
+    /// The quadrilaterals of `mesh`, `thickness` (m) thick in the configuration that `stress_free` relates to that of
+    /// the mesh.
+    ///
+    /// # Errors
+    /// The fibre direction is undefined in an element.
+    pub fn new(
+        law: M,
+        mesh: &Mesh,
+        stress_free: &StressFree,
+        thickness: f64,
+    ) -> Result<Patch<M, L>, UndefinedFibreDirection> {
+        let elements = element::shaped(&mesh.quads, &mesh.nodes, stress_free)?;
+        Ok(Patch { law, quads: Quads::new(&mesh.quads, &elements, thickness) })
+    }
+
+    /// These elements, of viscous film.
+    ///
+    /// # Panics
+    /// Where the law cannot have a Prony series ([`MembraneLaw::viscous`]).
+    pub fn with_viscosity(self, viscosity: Viscosity) -> Patch<M, L> {
+        let base = self.law.viscous().expect("a law that can have a Prony series");
+        Patch { quads: self.quads.with_viscosity(ViscousLaw::new(viscosity, base)), law: self.law }
+    }
+
+    /// Adds the forces (N) at `position` (m), reached `dt` (s) after the position before, to `force`, with the vector
+    /// instructions `width`.
+    pub fn add_forces(&mut self, width: Width, position: &Vectors, dt: f64, force: &mut Vectors) {
+        let forces = Forces::new(force.axes_mut());
+        // SAFETY: there is one thread.
+        let own = unsafe { forces.own() };
+        element::add_forces(width, &mut self.quads, &self.law, &position.axes(), dt, own);
     }
 }

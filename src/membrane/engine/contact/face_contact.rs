@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::friction::Friction;
+use super::impulse_sums::Friction;
 use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
 use super::surface::{Clearance, DeepestPoint, Followed, UNKNOWN};

@@ -11,19 +11,16 @@
 //! met at the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
 
 mod contact_state;
-mod damping;
 #[cfg(test)]
 mod edge_tests;
 mod face_contact;
-mod friction;
-mod history;
 mod impulse_sums;
 mod neighbours;
 mod node_contact;
 mod surface;
 
 pub use contact_state::ContactState;
-pub(super) use history::ContactHistory;
+pub(super) use neighbours::ContactHistory;
 pub(super) use surface::Meeting;
 use surface::Nearest;
 pub use surface::{Surface, SurfaceError};
@@ -38,7 +35,7 @@ use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
 use face_contact::Constraint;
-use friction::Friction;
+use impulse_sums::Friction;
 use impulse_sums::ImpulseSums;
 use neighbours::NeighbourList;
 use node_contact::{Corrector, NodeContacts, Predictor};

@@ -144,8 +144,8 @@ impl FilmContact {
             }
         }
         // A node farther than `reach` is as near as allowed only once film has moved by the rest.
-        self.margin = self.reach - self.largest_bound;
-        self.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
+        self.history.margin = self.reach - self.largest_bound;
+        self.history.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
         // Only now, since `search` borrows the surface.
         changed.into_iter().for_each(|(node, triangle)| self.mark(node, triangle));
     }

@@ -7,7 +7,8 @@
 //! come to cross each other: that is found out while the rest of the distance is left.
 
 use super::FilmContact;
-use super::constraint::Source;
+use super::surface::NONE;
+use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 use crate::lane::{LANES, Lane, Width, at_width, larger, smaller, splat};
 
@@ -19,6 +20,46 @@ const BLOCK: usize = 64;
 #[inline(always)]
 pub(super) fn spared(apart: f64) -> f64 {
     0.5 * larger(apart, 0.0)
+}
+
+/// What is noted of nodes that follow film, of crossings or of pairs, an entry each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Noted {
+    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
+    pub(super) carried: Vec<u32>,
+    /// Path of film up to which it need not be looked at, m; infinite where nothing is near.
+    pub(super) due: Vec<f64>,
+}
+
+impl Noted {
+    /// Of `count` of which nothing is near.
+    pub(super) fn new(count: usize) -> Noted {
+        Noted { carried: vec![NONE; count], due: vec![f64::INFINITY; count] }
+    }
+
+    /// Adds an entry.
+    pub(super) fn push(&mut self, due: f64) {
+        self.carried.push(NONE);
+        self.due.push(due);
+    }
+
+    /// Removes an entry, which the last one replaces.
+    pub(super) fn swap_remove(&mut self, place: usize) {
+        self.carried.swap_remove(place);
+        self.due.swap_remove(place);
+    }
+
+    /// Distance (m) below which there is a constraint: `distance`, but any for what had an impulse in the last step, which has
+    /// been applied already.
+    #[inline(always)]
+    pub(super) fn limit(&self, place: usize, distance: f64) -> f64 {
+        if self.carried[place] == NONE { distance } else { f64::INFINITY }
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        bytes(&self.carried) + bytes(&self.due)
+    }
 }
 
 at_width! {
@@ -58,34 +99,22 @@ impl FilmContact {
     /// Largest motion of a node since the last detection, m.
     pub(super) fn motion(&self, position: &Vectors, width: Width) -> f64 {
         // Before the first one everything is due.
-        if self.detected.is_empty() { 0.0 } else { largest_motion(width, &self.detected, position) }
+        if self.history.detected.is_empty() { 0.0 } else { largest_motion(width, &self.history.detected, position) }
     }
 
     /// Notes the positions of a detection, since the last of which nodes have moved by at most `motion` (m).
     pub(super) fn add_path(&mut self, position: &Vectors, motion: f64) {
         // Both nodes and what they are near may have moved by that.
-        self.path += 2.0 * motion;
-        self.detected.clone_from(position);
+        self.history.path += 2.0 * motion;
+        self.history.detected.clone_from(position);
         self.itself.iter_mut().for_each(|itself| itself.add_path(position));
     }
 
     /// Makes the pairs with constraints due in the next step: in this one they had been spared.
     pub(super) fn make_constrained_due(&mut self) {
-        for constraint in &self.constraints {
-            match constraint.source {
-                Source::Node { side, node } => self.tracking[side].due[node as usize] = 0.0,
-                Source::Crossing(edges) => {
-                    if let Some(place) = self.crossings.place(edges) {
-                        self.crossings.due[place] = 0.0;
-                    }
-                }
-                Source::Itself(parts) => {
-                    if let Some(itself) = &mut self.itself
-                        && let Some(place) = itself.pairs.place(parts)
-                    {
-                        itself.pairs.due[place] = 0.0;
-                    }
-                }
+        for k in 0..self.constraints.len() {
+            if let Some((entry, place)) = self.entry(self.constraints[k].source) {
+                entry.due[place] = 0.0;
             }
         }
     }

@@ -10,7 +10,6 @@
 mod broad_phase;
 mod constraint;
 mod crossing;
-mod crossings;
 mod due;
 mod history;
 mod narrow_phase;
@@ -31,7 +30,7 @@ use super::film::Film;
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
 use constraint::{Carried, Constraint};
-use crossings::Crossings;
+use crossing::Crossings;
 use narrow_phase::Found;
 use self_contact::SelfContact;
 use solver::Sweeps;
@@ -61,37 +60,43 @@ pub struct FilmContact {
     largest_bound: f64,
     /// Distance up to which films are searched for, m.
     reach: f64,
-    /// Motion of film that is left until faces are searched again, m.
-    margin: f64,
     /// Towards the faces before that of each node, and after it.
     tracking: [Tracking; 2],
     crossings: Crossings,
     constraints: Vec<Constraint>,
-    /// Impulses of the last step, by what they belong to.
-    carried: Vec<Carried>,
     /// Whether the constraints of the present step have been found.
     has_begun: bool,
     sweeps: Sweeps,
     /// Results of each task of a detection.
     found: Vec<Found>,
-    /// Positions at the last detection, m; none before the first.
-    detected: Vectors,
-    /// Path of film so far, m, as of [`due`].
-    path: f64,
-    /// Motion of nodes since then that it allows for, m.
+    /// Motion of nodes since the last detection that it allows for, m.
     detected_within: f64,
-    /// Largest motion of a node by contact in the last step, m.
-    pushed: f64,
     /// Half a step before the present one, m/s.
     previous_velocity: Vectors,
     /// As predicted without contact, m/s; with damping only.
     predicted: Vectors,
+    pub(super) history: History,
+}
+
+/// What contact keeps from step to step, besides what nodes and edges follow.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct History {
+    /// Impulses of the last step, by what they belong to.
+    carried: Vec<Carried>,
     /// Edges whose crossings have to be found anew.
     stale: Vec<u32>,
     /// Whether any node follows another face.
     is_near: bool,
+    /// Motion of film that is left until faces are searched again, m.
+    margin: f64,
     /// Bound on the motion of a node in the last step, m.
     last_motion: f64,
+    /// Largest motion of a node by contact in the last step, m.
+    pushed: f64,
+    /// Positions at the last detection, m; none before the first.
+    detected: Vectors,
+    /// Path of film so far, m, as of [`due`].
+    path: f64,
     /// Steps so far.
     steps: u64,
     /// Times that a node or a crossing was lost.
@@ -146,27 +151,16 @@ impl FilmContact {
             largest_bound,
             // Beyond the allowed distance, so that film has to move until what was not found touches.
             reach: REACH * longest + 2.0 * largest_bound,
-            margin: 0.0,
             tracking: [(); 2].map(|()| Tracking::new(count)),
             crossings,
             constraints: vec![],
-            carried: vec![],
             has_begun: false,
             sweeps: Sweeps::default(),
             found: vec![],
-            detected: Vectors::default(),
-            path: 0.0,
             detected_within: 0.0,
-            pushed: 0.0,
             previous_velocity: Vectors::zero(count),
             predicted: Vectors::default(),
-            stale: vec![],
-            is_near: false,
-            last_motion: 0.0,
-            steps: 0,
-            lost: 0,
-            unresolved: 0,
-            work: FilmWork::default(),
+            history: History::default(),
         }
     }
 
@@ -183,14 +177,14 @@ impl FilmContact {
     /// Bytes of the arrays that grow with the mesh.
     pub(super) fn bytes(&self) -> usize {
         let tracking: usize = self.tracking.iter().map(Tracking::bytes).sum();
-        let of_nodes = self.previous_velocity.bytes() + self.predicted.bytes() + self.detected.bytes();
+        let of_nodes = self.previous_velocity.bytes() + self.predicted.bytes() + self.history.detected.bytes();
         let itself = self.itself.as_ref().map_or(0, SelfContact::bytes);
         self.surface.bytes() + tracking + of_nodes + self.crossings.bytes() + itself
     }
 
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
-        self.margin = 0.0;
+        self.history.margin = 0.0;
         self.itself.iter_mut().for_each(SelfContact::invalidate);
     }
 
@@ -209,7 +203,7 @@ impl FilmContact {
                 };
                 if triangle != NONE && !is_kept(triangle) {
                     tracking.lose(node);
-                    self.stale.extend_from_slice(self.surface.edges_at(node as u32));
+                    self.history.stale.extend_from_slice(self.surface.edges_at(node as u32));
                 }
             }
         }
@@ -219,53 +213,55 @@ impl FilmContact {
                 self.crossings.remove(place);
             }
         }
-        self.margin = 0.0;
+        self.history.margin = 0.0;
     }
 
     /// Searches where that is due, before the nodes move, and records their velocities.
     pub(super) fn prepare(&mut self, films: &[Film], nodes: &Nodes) {
         // Films that were too far apart may come nearer by the motion of both.
         // A motion that is not finite must not leave a list in use for ever.
-        if self.is_between_faces && (self.margin.is_nan() || self.margin <= 2.0 * self.last_motion) {
+        if self.is_between_faces
+            && (self.history.margin.is_nan() || self.history.margin <= 2.0 * self.history.last_motion)
+        {
             self.search(films, nodes);
         }
-        self.itself.iter_mut().for_each(|itself| itself.prepare(&self.surface, nodes, self.last_motion));
+        self.itself.iter_mut().for_each(|itself| itself.prepare(&self.surface, nodes, self.history.last_motion));
         self.list_crossings(&nodes.position);
         self.constraints.clear();
         if self.is_near() {
             // All nodes: which of them contact will reach is known only in the step.
             self.previous_velocity.clone_from(&nodes.velocity);
         } else {
-            self.carried.clear();
+            self.history.carried.clear();
         }
     }
 
     /// Whether any node follows another face, or parts of a face are near each other.
     pub(super) fn is_near(&self) -> bool {
-        self.is_near || self.itself.as_ref().is_some_and(|itself| !itself.pairs.is_empty())
+        self.history.is_near || self.itself.as_ref().is_some_and(|itself| !itself.pairs.is_empty())
     }
 
     /// Reduces the motion that is left until the next search, after a step in which nodes have moved by at most
     /// `distance` (m).
     pub(super) fn reduce_margin(&mut self, distance: f64) {
-        self.margin -= 2.0 * distance;
+        self.history.margin -= 2.0 * distance;
         self.itself.iter_mut().for_each(|itself| itself.reduce_margin(distance));
-        self.last_motion = distance;
-        self.steps += 1;
+        self.history.last_motion = distance;
+        self.history.steps += 1;
     }
 
     /// Marks the edges whose crossings a node changes that follows `triangle`, or did so before.
     fn mark(&mut self, node: u32, triangle: u32) {
-        self.stale.extend_from_slice(self.surface.edges_at(node));
-        self.stale.extend_from_slice(&self.surface.edges_of[triangle as usize]);
+        self.history.stale.extend_from_slice(self.surface.edges_at(node));
+        self.history.stale.extend_from_slice(&self.surface.edges_of[triangle as usize]);
     }
 
     /// Finds the crossings of the stale edges anew: of these, and of all that crossed one of them.
     fn list_crossings(&mut self, position: &Vectors) {
-        if self.stale.is_empty() {
+        if self.history.stale.is_empty() {
             return;
         }
-        let mut edges = std::mem::take(&mut self.stale);
+        let mut edges = std::mem::take(&mut self.history.stale);
         edges.sort_unstable();
         edges.dedup();
         let mut places: Vec<u32> = edges.iter().flat_map(|edge| self.crossings.of_edge(*edge)).copied().collect();
@@ -288,7 +284,7 @@ impl FilmContact {
         for edge in &edges {
             // From both faces: each edge is walked over the other face, and a crossing that both find is pushed once.
             for tracking in [[before, after], [after, before]] {
-                crossing::find(&self.surface, (position, self.path), tracking, *edge, &mut found);
+                crossing::find(&self.surface, (position, self.history.path), tracking, *edge, &mut found);
             }
         }
         for crossing in found {
@@ -297,7 +293,7 @@ impl FilmContact {
             }
         }
         edges.clear();
-        self.stale = edges;
+        self.history.stale = edges;
     }
 
     /// Records the predicted velocities of all nodes.
@@ -320,7 +316,7 @@ impl FilmContact {
     pub(super) fn state(&self, nodes: &Nodes, pool: &ThreadPool) -> FilmContactState {
         let position = &nodes.position;
         let mut distance = self.reach;
-        for tracking in self.tracking.iter().filter(|_| self.is_near) {
+        for tracking in self.tracking.iter().filter(|_| self.history.is_near) {
             let followed = |n: &usize| tracking.triangle[*n] != NONE && tracking.sign[*n] != 0.0;
             for n in (0..tracking.triangle.len()).filter(followed) {
                 let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
@@ -337,8 +333,8 @@ impl FilmContact {
         FilmContactState {
             distance,
             nodes: self.pressed_nodes(),
-            lost: self.lost,
-            unresolved: [self.unresolved, self.steps],
+            lost: self.history.lost,
+            unresolved: [self.history.unresolved, self.history.steps],
         }
     }
 

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use super::FilmContact;
 use super::constraint::{Constraint, Pair, Source, Unusable};
+use super::crossing::Crossings;
 use super::crossing::PARALLEL;
-use super::crossings::Crossings;
 use super::due;
 use super::self_contact::{self, FoundPairs};
 use super::surface::place;
@@ -111,17 +111,17 @@ impl FilmContact {
         let pairs = self.itself.as_ref().map_or(0, |itself| itself.pairs.len());
         let of_itself = cut(pairs, PAIRS_PER_RANGE).map(|range| Task { of: Pairs::Itself, range });
         // Faces that do not meet each other follow nothing.
-        let sides = if self.is_near { 0..2 } else { 0..0 };
+        let sides = if self.history.is_near { 0..2 } else { 0..0 };
         let tasks: Vec<Task> = sides.flat_map(of_nodes).chain(of_crossings).chain(of_itself).collect();
         let mut found = std::mem::take(&mut self.found);
         // Kept from step to step for their capacity, also where fewer tasks need them now.
         found.resize_with(tasks.len().max(found.len()), Found::default);
         let results = Disjoint::new(&mut found);
-        let step = Step { nodes, dt, margins: [margin, 2.0 * self.largest_margin()], path: self.path };
+        let step = Step { nodes, dt, margins: [margin, 2.0 * self.largest_margin()], path: self.history.path };
         // Taken out, for tasks write them while they read the rest.
-        let mut due_nodes = self.tracking.each_mut().map(|tracking| std::mem::take(&mut tracking.due));
-        let mut due_crossings = std::mem::take(&mut self.crossings.due);
-        let mut due_itself = self.itself.as_mut().map_or(vec![], |itself| std::mem::take(&mut itself.pairs.due));
+        let mut due_nodes = self.tracking.each_mut().map(|tracking| std::mem::take(&mut tracking.noted.due));
+        let mut due_crossings = std::mem::take(&mut self.crossings.noted.due);
+        let mut due_itself = self.itself.as_mut().map_or(vec![], |itself| std::mem::take(&mut itself.pairs.noted.due));
         let of_nodes = due_nodes.each_mut().map(|due| Disjoint::new(due));
         let [of_crossings, of_itself] = [&mut due_crossings, &mut due_itself].map(|due| Disjoint::new(due));
         let path_of_itself = self.itself.as_ref().map_or(0.0, |itself| itself.path);
@@ -151,18 +151,18 @@ impl FilmContact {
                 due[*place as usize - range.start] = path + spared;
             }
         });
-        self.tracking.iter_mut().zip(due_nodes).for_each(|(tracking, due)| tracking.due = due);
-        self.crossings.due = due_crossings;
-        self.itself.iter_mut().for_each(|itself| itself.pairs.due = std::mem::take(&mut due_itself));
+        self.tracking.iter_mut().zip(due_nodes).for_each(|(tracking, due)| tracking.noted.due = due);
+        self.crossings.noted.due = due_crossings;
+        self.itself.iter_mut().for_each(|itself| itself.pairs.noted.due = std::mem::take(&mut due_itself));
         // In the order of the tasks, whichever thread had them: the sweeps go through the constraints in this order.
         for (task, found) in tasks.iter().zip(&mut found) {
             self.constraints.append(&mut found.constraints);
-            self.lost += found.lost.len() as u64;
+            self.history.lost += found.lost.len() as u64;
             match task.of {
                 Pairs::Nodes(side) => self.follow(side, found, nodes, dt),
                 Pairs::Crossings => {
                     let again = found.lost.iter().chain(&found.crossings.turned);
-                    self.stale.extend(again.flat_map(|place| self.crossings.edges(*place)));
+                    self.history.stale.extend(again.flat_map(|place| self.crossings.edges(*place)));
                     found.lost.iter().for_each(|place| self.crossings.sign[*place] = 0.0);
                 }
                 Pairs::Itself => {
@@ -188,22 +188,22 @@ impl FilmContact {
                 (true, true) => 1.0_f64.copysign(foot.distance - dt * self.approach(nodes, n, foot)),
                 (false, _) => 0.0,
             };
-            let due = self.tracking[side].due[n];
+            let due = self.tracking[side].noted.due[n];
             self.tracking[side].follow(n, foot.triangle, sign, &self.surface);
             // By the foot on the other triangle: it may have its constraint already.
-            self.tracking[side].due[n] = due;
+            self.tracking[side].noted.due[n] = due;
             self.mark(*node, before);
             self.mark(*node, foot.triangle);
         }
         for node in &found.nodes.off_corner {
             self.tracking[side].leave_corner(*node as usize);
-            self.stale.extend_from_slice(self.surface.edges_at(*node));
+            self.history.stale.extend_from_slice(self.surface.edges_at(*node));
         }
         // Given up, so that the next search decides anew on which side it lies.
         for n in &found.lost {
             self.mark(*n as u32, self.tracking[side].triangle[*n]);
             self.tracking[side].lose(*n);
-            self.margin = 0.0;
+            self.history.margin = 0.0;
         }
     }
 
@@ -319,17 +319,17 @@ impl FilmContact {
     #[cfg(test)]
     pub(super) fn count_spared(&self, position: &Vectors) -> [usize; 2] {
         use crate::lane::Width;
-        let path = self.path + 2.0 * self.motion(position, Width::best());
+        let path = self.history.path + 2.0 * self.motion(position, Width::best());
         let is_spared = |due: f64| due.is_finite() && due > path;
         let [mut all, mut close] = [0; 2];
         for tracking in &self.tracking {
-            for n in (0..tracking.due.len()).filter(|n| is_spared(tracking.due[*n])) {
+            for n in (0..tracking.noted.due.len()).filter(|n| is_spared(tracking.noted.due[*n])) {
                 let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
                 all += 1;
                 close += usize::from(foot.is_over && tracking.sign[n] * foot.distance < tracking.bound[n]);
             }
         }
-        let spared = self.crossings.places().filter(|place| is_spared(self.crossings.due[*place]));
+        let spared = self.crossings.places().filter(|place| is_spared(self.crossings.noted.due[*place]));
         let places: Vec<u32> = spared.map(|place| place as u32).collect();
         let mut found = FoundCrossings::default();
         close_crossings(Width::best(), &self.crossings, position, &places, [0.0; 2], &mut vec![], &mut found);

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::FilmContact;
 use super::constraint::Source;
+use super::due::Noted;
 use super::surface::NONE;
 use crate::engine::nodes::Nodes;
 use crate::engine::thread_pool::ThreadPool;
@@ -46,7 +47,7 @@ impl FilmContact {
     /// Moves the nodes, which have their predicted positions without contact at the end of a step of `dt` (s), by the
     /// impulses of the last step: those of this one are nearly the same.
     pub(in crate::engine) fn predict(&mut self, nodes: &mut Nodes, dt: f64) {
-        self.carried.iter().for_each(|carried| carried.apply(1.0, nodes, dt));
+        self.history.carried.iter().for_each(|carried| carried.apply(1.0, nodes, dt));
         self.has_begun = false;
     }
 
@@ -62,17 +63,17 @@ impl FilmContact {
         self.has_begun = true;
         self.sweeps.restart();
         self.add_path(&nodes.position, self.motion(&nodes.position, pool.width()));
-        self.detected_within = (MARGIN * self.pushed).min(self.largest_margin());
-        self.pushed = 0.0;
+        self.detected_within = (MARGIN * self.history.pushed).min(self.largest_margin());
+        self.history.pushed = 0.0;
         // Whatever had an impulse must be found, however far `predict` has moved it apart by that impulse.
         self.mark_carried(|place| place);
         self.detect(nodes, [dt, 2.0 * self.detected_within], pool);
-        for carried in &self.carried {
+        for carried in &self.history.carried {
             carried.apply(-1.0, nodes, dt);
         }
         for k in 0..self.constraints.len() {
-            let place = self.carried_place(self.constraints[k].source);
-            if let Some(carried) = self.carried.get(place as usize) {
+            let marked = self.entry(self.constraints[k].source).map_or(NONE, |(entry, place)| entry.carried[place]);
+            if let Some(carried) = self.history.carried.get(marked as usize) {
                 // Along the present normal, which has turned since: the old impulse was taken back above and is not
                 // simply kept.
                 self.constraints[k].start_from(carried, &mut nodes.velocity);
@@ -92,7 +93,7 @@ impl FilmContact {
     /// Whether films have or had impulses in this step, under which nodes move differently from how they were
     /// predicted.
     fn has_impulses(&self) -> bool {
-        !self.constraints.is_empty() || !self.carried.is_empty()
+        !self.constraints.is_empty() || !self.history.carried.is_empty()
     }
 
     /// Motion of nodes that the constraints allow for, m.
@@ -102,36 +103,25 @@ impl FilmContact {
 
     /// Marks what has impulses of the last step with `mark`, a function of the place of that impulse.
     fn mark_carried(&mut self, mark: impl Fn(u32) -> u32) {
-        for (place, carried) in self.carried.iter().enumerate() {
-            let mark = mark(place as u32);
-            match carried.source {
-                Source::Node { side, node } => self.tracking[side].carried[node as usize] = mark,
-                Source::Crossing(edges) => {
-                    if let Some(crossing) = self.crossings.place(edges) {
-                        self.crossings.carried[crossing] = mark;
-                    }
-                }
-                Source::Itself(parts) => {
-                    if let Some(itself) = &mut self.itself
-                        && let Some(pair) = itself.pairs.place(parts)
-                    {
-                        itself.pairs.carried[pair] = mark;
-                    }
-                }
+        for k in 0..self.history.carried.len() {
+            if let Some((entry, place)) = self.entry(self.history.carried[k].source) {
+                entry.carried[place] = mark(k as u32);
             }
         }
     }
 
-    /// The mark of a node or a crossing.
-    fn carried_place(&self, source: Source) -> u32 {
+    /// What is noted of the node, the crossing or the pair that a constraint belongs to, and its place there.
+    pub(super) fn entry(&mut self, source: Source) -> Option<(&mut Noted, usize)> {
         match source {
-            Source::Node { side, node } => self.tracking[side].carried[node as usize],
+            Source::Node { side, node } => Some((&mut self.tracking[side].noted, node as usize)),
             Source::Crossing(edges) => {
-                self.crossings.place(edges).map_or(NONE, |crossing| self.crossings.carried[crossing])
+                let place = self.crossings.place(edges)?;
+                Some((&mut self.crossings.noted, place))
             }
             Source::Itself(parts) => {
-                let pairs = self.itself.as_ref().map(|itself| &itself.pairs);
-                pairs.and_then(|pairs| Some(pairs.carried[pairs.place(parts)?])).unwrap_or(NONE)
+                let pairs = &mut self.itself.as_mut()?.pairs;
+                let place = pairs.place(parts)?;
+                Some((&mut pairs.noted, place))
             }
         }
     }
@@ -141,7 +131,7 @@ impl FilmContact {
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
         self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
         let motion = self.motion(&nodes.position, pool.width());
-        self.pushed = self.pushed.max(motion);
+        self.history.pushed = self.history.pushed.max(motion);
         // Both films may have moved by that.
         if motion <= self.detected_within {
             return false;
@@ -210,22 +200,22 @@ impl FilmContact {
     pub(in crate::engine) fn finish(&mut self, nodes: &mut Nodes, dt: f64) -> f64 {
         let Nodes { position, velocity, .. } = nodes;
         let mut fastest = 0.0_f64;
-        self.carried.clear();
+        self.history.carried.clear();
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
             constraint.move_nodes(position, dt);
             if !constraint.is_active() {
                 continue;
             }
-            self.carried.push(constraint.carried());
+            self.history.carried.push(constraint.carried());
             let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
-            self.work.impact_loss -= self.multiplicity * normal;
-            self.work.friction_loss -= self.multiplicity * tangential;
+            self.history.work.impact_loss -= self.multiplicity * normal;
+            self.history.work.friction_loss -= self.multiplicity * tangential;
             let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
             fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
         self.make_constrained_due();
-        self.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
+        self.history.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
         fastest.sqrt()
     }
 

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::due::Noted;
 use super::surface::{NONE, Surface};
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
@@ -36,10 +37,7 @@ pub(super) struct Tracking {
     pub(super) sign: Vec<f64>,
     /// Least allowed distance, m.
     pub(super) bound: Vec<f64>,
-    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
-    pub(super) carried: Vec<u32>,
-    /// Path of film up to which it need not be looked at, m, as of [`super::due`]; infinite where no triangle is near.
-    pub(super) due: Vec<f64>,
+    pub(super) noted: Noted,
 }
 
 /// History of a tracked node.
@@ -79,16 +77,14 @@ impl Tracking {
             on_corner: vec![f64::INFINITY; count],
             sign: vec![0.0; count],
             bound: vec![0.0; count],
-            carried: vec![NONE; count],
-            due: vec![f64::INFINITY; count],
+            noted: Noted::new(count),
         }
     }
 
-    /// Distance (m) below which there is a constraint of `node`, `margin` (m) beyond the least allowed one. What had an
-    /// impulse in the last step finds its constraint at any distance: that impulse has been applied already.
+    /// Distance (m) below which there is a constraint of `node`, `margin` (m) beyond the least allowed one, as of [`Noted`].
     #[inline(always)]
     pub(super) fn limit(&self, node: usize, margin: f64) -> f64 {
-        if self.carried[node] == NONE { self.bound[node] + margin } else { f64::INFINITY }
+        self.noted.limit(node, self.bound[node] + margin)
     }
 
     /// Lets `node` follow `triangle` of `surface` on the side `sign`.
@@ -98,7 +94,7 @@ impl Tracking {
         let corners = surface.corners[triangle as usize];
         (0..3).for_each(|k| self.corners[k][node] = corners[k]);
         self.on_corner[node] = f64::INFINITY;
-        self.due[node] = 0.0;
+        self.noted.due[node] = 0.0;
     }
 
     /// Decides whether `node` lies on a corner of its triangle, if that is not known: within [`ON_CORNER`] of the least
@@ -138,7 +134,7 @@ impl Tracking {
         self.corners.iter_mut().for_each(|corner| corner[node] = node as u32);
         self.on_corner[node] = f64::INFINITY;
         self.sign[node] = 0.0;
-        self.due[node] = f64::INFINITY;
+        self.noted.due[node] = f64::INFINITY;
     }
 
     /// History of the tracked nodes.
@@ -151,7 +147,7 @@ impl Tracking {
             on_corner: self.on_corner[n],
             sign: self.sign[n],
             bound: self.bound[n],
-            due: self.due[n],
+            due: self.noted.due[n],
         };
         tracked.map(entry).collect()
     }
@@ -169,7 +165,7 @@ impl Tracking {
             }
             self.on_corner[n] = *on_corner;
             self.bound[n] = *bound;
-            self.due[n] = *due;
+            self.noted.due[n] = *due;
         }
     }
 
@@ -181,8 +177,7 @@ impl Tracking {
             + bytes(&self.on_corner)
             + bytes(&self.sign)
             + bytes(&self.bound)
-            + bytes(&self.carried)
-            + bytes(&self.due)
+            + self.noted.bytes()
     }
 }
 

@@ -1,11 +1,10 @@
 //! The nodes of all faces: their state, its integration in time, its correction by contact.
 
-mod correction;
 mod integration;
 mod relaxation;
 mod vectors;
 
-pub(super) use correction::Correction;
+pub(super) use integration::Correction;
 pub(super) use integration::{Kick, StepSums, VelocityRecord};
 pub(super) use relaxation::RelaxationStep;
 pub use vectors::Vectors;

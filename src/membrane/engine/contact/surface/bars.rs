@@ -6,8 +6,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use parry3d_f64::math::Vector;
 
 use super::convex::Convex;
+use super::convex::Solid;
 use super::projection::Projection;
-use super::solid::Solid;
 use super::vector;
 use crate::lane::{larger, smaller};
 

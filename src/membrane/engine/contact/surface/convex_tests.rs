@@ -27,7 +27,7 @@ fn closed_forms_are_the_projections_of_parry() {
         for point in points(1.3 * surface.bounding_radius(), 4000) {
             let found = solid.project_local(&point);
             let parry = solid.core().project_point(solid.place(), vector(&point), false);
-            let expected = solid::signed(&point, parry.point, parry.is_inside);
+            let expected = convex::signed(&point, parry.point, parry.is_inside);
             let distance = expected.distance - solid.edge();
             assert!((found.distance - distance).abs() < 1e-12, "{k}: {found:?} {expected:?} at {point}");
             assert!((found.normal.norm() - 1.0).abs() < 1e-12, "{k}: {found:?}");

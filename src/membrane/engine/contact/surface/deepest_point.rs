@@ -6,11 +6,11 @@ use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
 use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
+use super::convex::Solid;
 use super::element_points::{DeepPoints, DeepestPoint, Followed, FollowedPoint, Search, corner_weights, sides};
-use super::nearest::Nearest;
 use super::projection::{Projection, nearest_on_axis};
-use super::solid::Solid;
 use super::triangle_minimum::{Minimum, minimum, over_plane};
+use super::triangles::Nearest;
 use super::{Part, Shape, Surface, vector};
 use crate::lane::{larger, smaller};
 

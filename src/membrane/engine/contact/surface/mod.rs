@@ -9,16 +9,14 @@ mod deepest_point;
 mod element_points;
 mod features;
 mod meeting;
-mod nearest;
 mod projection;
-mod solid;
 mod triangle_minimum;
 mod triangles;
 
 pub(in crate::engine::contact) use element_points::{Clearance, DeepestPoint, Followed, UNKNOWN};
 pub(in crate::engine) use meeting::Meeting;
-pub(in crate::engine::contact) use nearest::Nearest;
 pub(in crate::engine::contact) use projection::Projection;
+pub(in crate::engine::contact) use triangles::Nearest;
 pub(crate) use triangles::Triangles;
 
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -29,8 +27,8 @@ use thiserror::Error;
 
 use bars::Bars;
 use convex::Convex;
+use convex::Solid;
 use features::Features;
-use solid::Solid;
 
 /// The impactor's surface about its centre of mass, body axes.
 #[derive(Clone, Debug)]
@@ -113,7 +111,7 @@ impl Surface {
     pub fn cylinder(radius: f64, length: f64, edge: f64) -> Result<Surface, SurfaceError> {
         let outer = Cylinder::new(0.5 * length, radius).mass_properties(1.0);
         let core = Convex::Cylinder { radius: positive(radius - edge)?, half: positive(0.5 * length - edge)? };
-        let upright = Pose::from_parts(Vector::ZERO, solid::y_to_z());
+        let upright = Pose::from_parts(Vector::ZERO, convex::y_to_z());
         Surface::solid(core, Vector::ZERO, outer.transform_by(&upright), edge)
     }
 
@@ -127,7 +125,7 @@ impl Surface {
         let sharp = Convex::Cone { radius, half: 0.5 * length };
         positive(sharp.inradius() - edge)?;
         let (core, up) = sharp.shrunk(edge);
-        let tip_down = Pose::from_parts(Vector::ZERO, solid::y_to_minus_z());
+        let tip_down = Pose::from_parts(Vector::ZERO, convex::y_to_minus_z());
         Surface::solid(core, Vector::new(0.0, 0.0, up), outer.transform_by(&tip_down), edge)
     }
 

@@ -5,8 +5,8 @@
 
 use nalgebra::Vector3;
 
+use super::convex::Solid;
 use super::projection::Projection;
-use super::solid::Solid;
 
 /// Largest number of tangents along one edge.
 const TANGENTS: usize = 40;

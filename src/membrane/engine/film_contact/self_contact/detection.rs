@@ -94,7 +94,9 @@ impl SelfContact {
             if [sign, bound] != [pair.sign, pair.bound] {
                 found.changed.push((*place, [sign, bound]));
             }
-            if let Some(close) = close.filter(|close| close.distance < self.pairs.limit(at, bound + step.margins[0])) {
+            if let Some(close) =
+                close.filter(|close| close.distance < self.pairs.noted.limit(at, bound + step.margins[0]))
+            {
                 found.close.push((entry, pair.parts, close));
             }
         }
@@ -120,7 +122,7 @@ impl SelfContact {
         let before = before(step, close);
         if before >= whole {
             whole
-        } else if self.pairs.carried[place] == NONE {
+        } else if self.pairs.noted.carried[place] == NONE {
             close.bound.min(before.max(LEAST * whole))
         } else {
             close.bound

@@ -10,7 +10,6 @@ mod detection;
 mod gradient;
 mod hierarchy;
 mod pairs;
-mod piercing;
 mod topology;
 
 pub(super) use detection::{FoundPairs, Step};

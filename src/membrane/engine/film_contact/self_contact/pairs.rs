@@ -4,8 +4,11 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::film_contact::surface::{NONE, Surface};
+use super::SelfContact;
+use crate::engine::film_contact::due::Noted;
+use crate::engine::film_contact::surface::Surface;
 use crate::engine::footprint::bytes;
+use crate::engine::nodes::Vectors;
 
 /// Parts of one face that may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -47,9 +50,7 @@ pub(in crate::engine::film_contact) struct Pairs {
     pub(super) sign: Vec<f64>,
     pub(super) bound: Vec<f64>,
     pub(super) whole: Vec<f64>,
-    pub(in crate::engine::film_contact) due: Vec<f64>,
-    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
-    pub(in crate::engine::film_contact) carried: Vec<u32>,
+    pub(in crate::engine::film_contact) noted: Noted,
 }
 
 impl SelfPair {
@@ -92,12 +93,6 @@ impl Pairs {
         self.parts.binary_search(&parts).ok()
     }
 
-    /// Distance (m) below which there is a constraint of the pair at `place`: what had an impulse in the last step finds its
-    /// constraint at any distance, as that impulse has been applied already, another one below `distance`.
-    pub(super) fn limit(&self, place: usize, distance: f64) -> f64 {
-        if self.carried[place] == NONE { distance } else { f64::INFINITY }
-    }
-
     /// Replaces all by `pairs`, which are in order.
     pub(super) fn replace(&mut self, pairs: impl IntoIterator<Item = SelfPair>) {
         *self = Pairs::default();
@@ -106,8 +101,7 @@ impl Pairs {
             self.sign.push(sign);
             self.bound.push(bound);
             self.whole.push(whole);
-            self.due.push(due);
-            self.carried.push(NONE);
+            self.noted.push(due);
         }
     }
 
@@ -121,13 +115,53 @@ impl Pairs {
             sign: self.sign[place],
             bound: self.bound[place],
             whole: self.whole[place],
-            due: self.due[place],
+            due: self.noted.due[place],
         }
     }
 
     /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
-        let numbers = bytes(&self.sign) + bytes(&self.bound) + bytes(&self.whole) + bytes(&self.due);
-        bytes(&self.parts) + numbers + bytes(&self.carried)
+        bytes(&self.parts) + bytes(&self.sign) + bytes(&self.bound) + bytes(&self.whole) + self.noted.bytes()
     }
+}
+
+impl SelfContact {
+    /// Largest depth by which an edge passes through a triangle without a common node, m: the distance of the nearer one of
+    /// its ends from the plane of the triangle. Zero where none does.
+    ///
+    /// A point inside a triangle is at most the radius of the inscribed circle from one of its edges, 0.29 of an edge; so
+    /// the two edges are a pair, but on triangles that are larger than the mean.
+    pub(super) fn largest_depth(&self, surface: &Surface, position: &Vectors) -> f64 {
+        let mut largest = 0.0_f64;
+        for place in self.pairs.places() {
+            let Parts::Edges([one, other]) = self.pairs.known(place).parts else { continue };
+            for [edge, beside] in [[one, other], [other, one]] {
+                for triangle in self.topology.triangles_at(beside) {
+                    let corners = surface.corners[triangle as usize];
+                    if surface.edges[edge as usize].iter().all(|node| !corners.contains(node)) {
+                        largest = largest.max(depth(surface, position, edge, triangle));
+                    }
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// Distance of the nearer end of an edge from the plane of a triangle through which it passes, m; zero where it does not.
+fn depth(surface: &Surface, position: &Vectors, edge: u32, triangle: u32) -> f64 {
+    let [a, b, c] = surface.corners_at(position, triangle);
+    let [p, q] = surface.ends_at(position, edge);
+    let (u, v) = (b - a, c - a);
+    let across = u.cross(&v);
+    let (above, below) = (across.dot(&(p - a)), across.dot(&(q - a)));
+    // Nor what is not a number.
+    if (above * below).is_nan() || above * below >= 0.0 {
+        return 0.0;
+    }
+    let r = p + (q - p) * (above / (above - below)) - a;
+    let (of_b, of_c) = (r.cross(&v).dot(&across), u.cross(&r).dot(&across));
+    let squared = across.norm_squared();
+    let is_inside = of_b >= 0.0 && of_c >= 0.0 && of_b + of_c <= squared;
+    if is_inside { above.abs().min(below.abs()) / squared.sqrt() } else { 0.0 }
 }
