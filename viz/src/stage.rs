@@ -6,7 +6,7 @@ use std::io::{self, BufWriter};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
 use std::str::FromStr;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use re_sdk::external::re_log_encoding::Encoder;
@@ -31,6 +31,8 @@ const APPLICATION: &str = "droptower";
 /// Logs a scene into a recording.
 pub struct Stage {
     stream: RecordingStream,
+    /// The file that the stream is written to; none in a viewer.
+    file: Option<FileSink>,
     /// The scene with its present colour ranges.
     scene: Scene,
     films: Vec<Film>,
@@ -44,8 +46,9 @@ impl Stage {
     pub fn file(path: &Path, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
         let stream = recording(&scene).batcher_config(by_size()).buffered()?;
-        stream.set_sink(Box::new(FileSink::new(path)?));
-        Stage::begin(stream, scene)
+        let file = FileSink::new(path)?;
+        stream.set_sink(Box::new(file.clone()));
+        Stage::begin(stream, Some(file), scene)
     }
 
     /// A stage in the viewer at `address`.
@@ -55,7 +58,7 @@ impl Stage {
     pub fn live(address: &Address, scene: Scene) -> Result<Stage, VizError> {
         scene.check()?;
         let stream = recording(&scene).connect_grpc_opts(address.to_string())?;
-        Stage::begin(stream, scene)
+        Stage::begin(stream, None, scene)
     }
 
     /// Logs a state of the film with this index.
@@ -113,15 +116,16 @@ impl Stage {
         Ok(self.stream.send_columns(path, [times], columns)?)
     }
 
-    /// Waits until everything is written or sent.
+    /// Waits until everything is written or sent, and ends the file.
     ///
     /// # Errors
     /// Writing or sending fails, or takes longer than `timeout`.
     pub fn finish(self, timeout: Duration) -> Result<(), VizError> {
-        Ok(self.stream.flush_with_timeout(timeout)?)
+        self.stream.flush_with_timeout(timeout)?;
+        Ok(self.file.map_or(Ok(()), |file| file.close())?)
     }
 
-    fn begin(stream: RecordingStream, scene: Scene) -> Result<Stage, VizError> {
+    fn begin(stream: RecordingStream, file: Option<FileSink>, scene: Scene) -> Result<Stage, VizError> {
         // Timelines of the recorder itself would differ from run to run.
         stream.set_log_tick_enabled(false);
         stream.set_log_time_enabled(false);
@@ -138,7 +142,7 @@ impl Stage {
         }
         let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.extent));
         let films = films.collect::<Result<_, _>>()?;
-        let stage = Stage { stream, scene, films };
+        let stage = Stage { stream, file, scene, films };
         for (index, body) in stage.scene.bodies.iter().enumerate() {
             film::log_shape(&stage.stream, body)?;
             body.poses.iter().try_for_each(|pose| stage.pose(index, pose))?;
@@ -190,8 +194,9 @@ fn recording(scene: &Scene) -> RecordingStreamBuilder {
     RecordingStreamBuilder::new(APPLICATION).recording_name(scene.name.as_str()).enabled(true)
 }
 
-/// Writes messages to a file as they come.
-struct FileSink(Mutex<State>);
+/// Writes messages to a file as they come. Clones share the file.
+#[derive(Clone)]
+struct FileSink(Arc<Mutex<State>>);
 
 struct State {
     encoder: Encoder<BufWriter<File>>,
@@ -208,10 +213,16 @@ impl FileSink {
         let file = BufWriter::new(File::create(path)?);
         let version = re_sdk::build_info().version;
         let encoder = Encoder::new_eager(version, EncodingOptions::PROTOBUF_COMPRESSED, file);
-        let mut encoder = encoder.map_err(io::Error::other)?;
-        // An index of the messages, which the viewer makes itself and which would hold all of them in memory.
-        encoder.do_not_emit_footer();
-        Ok(FileSink(Mutex::new(State { encoder, failure: None })))
+        let encoder = encoder.map_err(io::Error::other)?;
+        Ok(FileSink(Arc::new(Mutex::new(State { encoder, failure: None }))))
+    }
+
+    /// Ends the file with its index of chunks, by which a viewer reads a part of it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn close(&self) -> Result<(), SinkFlushError> {
+        self.with(Encoder::finish).and_then(|()| self.with(Encoder::flush_blocking)).map_err(SinkFlushError::failed)
     }
 
     /// Does `work` unless an earlier one failed.
@@ -303,6 +314,7 @@ mod tests {
             let error = sink.flush_blocking(Duration::MAX).unwrap_err().to_string();
             assert!(error.contains("No space left"), "{error}");
         }
+        assert!(sink.close().is_err());
     }
 
     #[test]

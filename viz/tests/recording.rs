@@ -122,6 +122,8 @@ fn played(scene: Scene, happens: impl FnOnce(&mut Stage)) -> Playback {
     let mut stage = Stage::file(&path, scene).unwrap();
     happens(&mut stage);
     stage.finish(Duration::from_secs(60)).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    assert!(bytes[bytes.len() - 64..].windows(4).any(|word| word == b"FOOT"), "the file ends with its index of chunks");
     Playback::read(&path).unwrap()
 }
 
