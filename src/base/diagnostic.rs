@@ -163,6 +163,11 @@ impl Diagnostic {
         Diagnostic { hint: Some(hint.into()), ..self }
     }
 
+    /// The mistake with a hint, where there is one.
+    pub fn hint_if(self, hint: Option<String>) -> Diagnostic {
+        Diagnostic { hint: hint.or(self.hint), ..self }
+    }
+
     /// The mistake with a further label at `span`.
     pub fn label(mut self, span: &Span, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label { span: span.clone(), text: text.into() });

@@ -299,7 +299,7 @@ macro_rules! quantities {
         pub const DIMENSIONS: &[Dimension] = &[$($type::DIMENSION),*];
         $(
             $(#[$doc])*
-            #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
             pub struct $type(pub f64);
 
             impl $type {
@@ -320,12 +320,16 @@ macro_rules! quantities {
 
             impl Serialize for $type {
                 fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                    serializer.collect_str(self)
+                    // Text is for people; other forms keep every bit.
+                    if serializer.is_human_readable() { serializer.collect_str(self) } else { self.0.serialize(serializer) }
                 }
             }
 
             impl<'de> Deserialize<'de> for $type {
                 fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                    if !deserializer.is_human_readable() {
+                        return f64::deserialize(deserializer).map($type);
+                    }
                     deserializer.deserialize_any(Written(Self::DIMENSION)).map($type)
                 }
             }

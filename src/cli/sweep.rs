@@ -186,7 +186,7 @@ pub(crate) fn refused(error: &SweepError, document: &Document) -> Failure {
             let mistake = Diagnostic::new(format!("{} has no table [variation]", shown_path(document.path())));
             mistake.hint("write which keys vary: `droptower explain variation`").into()
         }
-        SweepError::Points(error) => hinted(error, error.hint()).at(&document.key_span("variation")).into(),
+        SweepError::Points(mistake) => mistake.clone().at(&document.key_span("variation")).into(),
         SweepError::Prepare(error) => preparing(error).into(),
     }
 }

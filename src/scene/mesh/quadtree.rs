@@ -1,13 +1,15 @@
-//! All-quadrilateral refinement of a grid: quadtrees whose leaves differ by one level at most, joined by templates.
+//! All-quadrilateral refinement of a grid: quadtrees whose leaves differ by one level at most, joined by templates; grids of
+//! cells of a whole outline, before symmetry and triangles; element sizes that grow with the distance from a place.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use nalgebra::{Point2, Point3, center};
+use serde::{Deserialize, Serialize};
 
-use super::grid::{Grid, LIMIT};
-use super::smoothing::smooth;
-use super::topology::{Edge, undirected};
-use super::{Element, Grading, MeshError};
+use super::structured::smooth;
+use super::{Edge, Element, Mesh, MeshError, MeshErrorKind, fault, undirected};
+use crate::mesh;
 
 /// Edge length over the wanted one above which a cell is refined. Between two levels sizes then lie around the wanted
 /// one; the last digits decide that cells that are mirror images are treated alike.
@@ -19,7 +21,7 @@ pub(crate) type Place<'a> = &'a dyn Fn(&mut Point3<f64>, [Point3<f64>; 2]);
 /// The cells of `grid`, each four elements, refined to `grading`; no element is larger than `size` (m).
 ///
 /// # Errors
-/// [`MeshError::TooMany`].
+/// More elements than can be numbered.
 pub(crate) fn refine(
     grid: Grid,
     grading: &Grading,
@@ -114,7 +116,7 @@ impl<'a> Forest<'a> {
     fn split(&mut self, cell: usize) -> Result<(), MeshError> {
         let (elements, limit) = (4 * (self.cells.len() + 4), LIMIT);
         if elements > limit {
-            return Err(MeshError::TooMany { elements, limit });
+            return Err(too_many(elements, limit));
         }
         let Cell { corners, middles, .. } = self.cells[cell];
         let centre = self.centre(corners, middles);
@@ -214,7 +216,7 @@ impl<'a> Forest<'a> {
         let points = quad.map(|node| self.nodes[node as usize]);
         let least = |turn: usize| {
             let p = |i: usize| points[(i + turn) % 4];
-            let of = |triangle: [Point3<f64>; 3]| super::quality::scaled_jacobian(&triangle);
+            let of = |triangle: [Point3<f64>; 3]| super::scaled_jacobian(&triangle);
             of([p(0), p(1), p(2)]).min(of([p(0), p(2), p(3)]))
         };
         let [a, b, c, d] = quad;
@@ -235,4 +237,186 @@ fn distance(corners: &[Point2<f64>; 4], point: Point2<f64>) -> f64 {
         (point - (from + along * share)).norm()
     };
     edges().map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
+/// Node numbers are `u32`, and there is about one node per cell.
+const LIMIT: usize = u32::MAX as usize / 4;
+
+/// Cells of a whole outline, in any sense of rotation.
+#[derive(Debug, Default)]
+pub(crate) struct Grid {
+    /// m.
+    pub nodes: Vec<Point3<f64>>,
+    /// Corners of each cell; a split into triangles follows the diagonal from the first to the third.
+    pub cells: Vec<[u32; 4]>,
+}
+
+impl Grid {
+    /// The mesh of the part on this side of the mirror planes, of one kind of element.
+    pub(crate) fn mesh(self, mirrored: [bool; 2], element: Element) -> Mesh {
+        let grid = self.cut(mirrored).counter_clockwise();
+        let mut mesh = Mesh { nodes: grid.nodes, ..Mesh::default() };
+        match element {
+            Element::Quad4 | Element::Quad4Full => mesh.quads = grid.cells,
+            Element::Tri3 => mesh.tris = grid.cells.into_iter().flat_map(split).collect(),
+        }
+        mesh::label(&mut mesh, mirrored);
+        mesh
+    }
+
+    /// The cells at x >= 0 and/or y >= 0; the mirror planes are lines of nodes.
+    pub(crate) fn cut(self, mirrored: [bool; 2]) -> Grid {
+        let inside = |p: &Point3<f64>| (0..2).all(|axis| !mirrored[axis] || p[axis] >= 0.0);
+        let mut renumbered = vec![u32::MAX; self.nodes.len()];
+        let mut nodes = Vec::new();
+        for (old, point) in self.nodes.iter().enumerate().filter(|(_, p)| inside(p)) {
+            renumbered[old] = nodes.len() as u32;
+            nodes.push(*point);
+        }
+        let cells = self
+            .cells
+            .into_iter()
+            .map(|cell| cell.map(|node| renumbered[node as usize]))
+            .filter(|cell| !cell.contains(&u32::MAX))
+            .collect();
+        Grid { nodes, cells }
+    }
+
+    /// The nodes numbered as the cells name them first; nodes of no cell are left out.
+    pub(crate) fn in_order_of_use(self) -> Grid {
+        let mut numbers = vec![u32::MAX; self.nodes.len()];
+        let mut nodes = Vec::with_capacity(self.nodes.len());
+        let mut number = |node: u32| {
+            let number = &mut numbers[node as usize];
+            if *number == u32::MAX {
+                *number = nodes.len() as u32;
+                nodes.push(self.nodes[node as usize]);
+            }
+            *number
+        };
+        let cells = self.cells.into_iter().map(|cell| cell.map(&mut number)).collect();
+        Grid { nodes, cells }
+    }
+
+    /// The cells with their corners counter-clockwise.
+    pub(crate) fn counter_clockwise(mut self) -> Grid {
+        for cell in &mut self.cells {
+            let [a, b, c, d] = cell.map(|node| self.nodes[node as usize]);
+            if (c - a).xy().perp(&(d - b).xy()) < 0.0 {
+                cell.swap(1, 3);
+            }
+        }
+        self
+    }
+}
+
+/// More elements than the limit of a mesh.
+fn too_many(elements: usize, limit: usize) -> MeshError {
+    let message = format!("{elements} elements exceed the {limit} of a mesh; choose a larger element size");
+    MeshError::new(MeshErrorKind::Size, message)
+}
+
+/// Refuses lengths and sizes that are not positive, and meshes whose nodes cannot be numbered.
+pub(crate) fn check(lengths: [f64; 2], size: f64, elements: usize) -> Result<(), MeshError> {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    if !positive(size) {
+        let message = format!("expected a positive element size, found {size} m");
+        return Err(MeshError::new(MeshErrorKind::Size, message));
+    }
+    if !lengths.into_iter().all(positive) {
+        let [x, y] = lengths;
+        return Err(fault!("expected an outline of positive lengths, found {x} m by {y} m"));
+    }
+    if elements > LIMIT {
+        return Err(too_many(elements, LIMIT));
+    }
+    Ok(())
+}
+
+/// The two triangles on either side of the diagonal from the first to the third corner.
+pub(crate) fn split([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+    [[a, b, c], [a, c, d]]
+}
+
+/// The cell, with the other diagonal first where `odd`, so that the diagonals of neighbours alternate.
+pub(crate) fn alternate([a, b, c, d]: [u32; 4], odd: bool) -> [u32; 4] {
+    if odd { [b, c, d, a] } else { [a, b, c, d] }
+}
+
+/// Sizes of the elements of a graded mesh: `fine` within the zones, growing beyond them up to the size of the meshing
+/// (theory.md, equation 200). Lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grading {
+    /// Edge length within the zones.
+    pub fine: f64,
+    /// Growth of the edge length per distance from the nearest zone.
+    pub growth: f64,
+    /// Where elements are fine.
+    pub zones: Vec<Zone>,
+}
+
+/// A circle in which elements are fine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Zone {
+    /// Its centre, x and y.
+    pub at: [f64; 2],
+    /// Its radius.
+    pub within: f64,
+}
+
+impl Grading {
+    /// Edge length at a distance from the edge of the nearest zone, of elements of at most `size`.
+    pub(crate) fn size_at(&self, distance: f64, size: f64) -> f64 {
+        size.min(self.fine + self.growth * distance.max(0.0))
+    }
+
+    /// Distance of a point from the edge of the nearest zone, m; negative within it.
+    pub(crate) fn distance(&self, point: Point2<f64>) -> f64 {
+        let from = |zone: &Zone| (point - Point2::from(zone.at)).norm() - zone.within;
+        self.zones.iter().map(from).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Refuses sizes that are not positive, and meshes of an outline of these `lengths` and this `area` (m, m²) whose
+    /// nodes cannot be numbered.
+    pub(crate) fn check(&self, lengths: [f64; 2], area: f64, size: f64) -> Result<(), MeshError> {
+        if !(self.growth.is_finite() && self.growth > 0.0) {
+            let message = format!("expected a positive growth of the elements, found {}", self.growth);
+            return Err(MeshError::new(MeshErrorKind::Size, message));
+        }
+        check(lengths, size, 0)?;
+        check(lengths, self.fine, self.cells(area, size) as usize)
+    }
+
+    /// Squares of these sizes that fill a plane figure of `area` (m²), at most: a zone may lie beside it.
+    pub fn cells(&self, area: f64, size: f64) -> f64 {
+        let Grading { fine, growth, .. } = *self;
+        // Integral of 2πr (1/h² - 1/size²) from the edge of the zone to where h is the size.
+        let (reach, ratio) = ((size - fine) / growth, size / fine);
+        let of_zone = |zone: &Zone| {
+            let r = zone.within;
+            let inside = PI * r * r / (fine * fine);
+            let ring = 2.0 * PI / growth * ((r - fine / growth) * (1.0 / fine - 1.0 / size) + ratio.ln() / growth);
+            let replaced = PI * (r + reach).powi(2) / (size * size);
+            inside + ring - replaced
+        };
+        (area / (size * size) + self.zones.iter().map(of_zone).sum::<f64>()).min(area / (fine * fine))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_number_of_cells_is_the_integral_of_their_density() {
+        let grading = Grading { fine: 0.5, growth: 0.2, zones: vec![Zone { at: [0.0; 2], within: 10.0 }] };
+        let (rim, size, rings) = (60.0, 4.0, 60_000);
+        let width = rim / f64::from(rings);
+        let summed: f64 = (0..rings)
+            .map(|ring| (f64::from(ring) + 0.5) * width)
+            .map(|r| 2.0 * PI * r * width / grading.size_at(r - 10.0, size).powi(2))
+            .sum();
+        let closed = grading.cells(PI * rim * rim, size);
+        assert!((closed / summed - 1.0).abs() < 1e-4, "{closed} against {summed}");
+    }
 }

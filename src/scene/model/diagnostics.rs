@@ -26,6 +26,12 @@ impl<'d> ModelDiagnostics<'d> {
         self.found.report_with(&self.document.span(path), message, hint);
     }
 
+    /// A mistake as [`report_with`](Self::report_with) has it, in place of a value.
+    pub fn refuse<T>(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) -> Option<T> {
+        self.report_with(path, message, hint);
+        None
+    }
+
     /// Lets the last mistake also point at the key path, where it is written.
     pub fn label(&mut self, path: &str, text: impl Into<String>) {
         if !self.is_written(path) {

@@ -1,46 +1,43 @@
-//! The mounting frame.
+//! The mounting frame, contact of film with film, and the air around it.
 
-mod bars;
-mod springs;
-
-use super::specimen::symmetry;
-use super::{Clamp, Face, Frame, Hold, Loading, ModelDiagnostics, Specimen};
-use crate::mesh::Side;
+use super::loading::Inertia;
+use super::specimen::height_path;
+use super::{Air, Bars, Contact, Face, Frame, Hold, Impactor, Loading, ModelDiagnostics, Specimen, Springs, Symmetry};
+use crate::mesh::{Outline, Side};
 use crate::scenario::{self, EdgeChoice, Scenario, Shape};
+use base::number::significant;
 
-const PATH: &str = "frame.hold";
+const HOLD: &str = "frame.hold";
+const BARS: &str = "frame.bars";
+const RADIUS: &str = "frame.bars.radius";
 
-/// The frame around `faces` of `specimen`, which are left out where there are mistakes in them.
-pub fn check(
+/// The frame with edges held by `hold` around `faces` of `specimen`, which are left out where there are mistakes in them,
+/// as are the parts that are `refused`.
+pub(super) fn check(
     scenario: &Scenario,
-    loading: &Loading,
+    hold: Hold,
     specimen: Option<&Specimen>,
     faces: Option<&[Face]>,
+    refused: &[&str],
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Frame {
-    let hold = held(scenario, loading, mistakes);
+    let scenario::Frame { bars, clamp, springs, .. } = &scenario.frame;
+    let bars = bars.as_ref().filter(|_| !refused.contains(&BARS));
     let shape = specimen.map(|specimen| &specimen.shape);
-    let of_bars = |bars| self::bars::check(bars, scenario, (loading, &hold), shape, faces, mistakes);
-    let bars = scenario.frame.bars.as_ref().and_then(of_bars);
-    let of_clamp = |clamp| check_clamp(clamp, scenario, loading, &hold, mistakes);
-    let clamp = scenario.frame.clamp.as_ref().and_then(of_clamp);
-    let of_springs = |springs| self::springs::check(springs, scenario, loading, &hold, mistakes);
-    let springs = scenario.frame.springs.as_ref().and_then(of_springs);
-    Frame { hold, bars, clamp, springs }
+    let bars = bars.and_then(|bars| check_bars(bars, scenario, &hold, shape, faces, mistakes));
+    let springs = springs.filter(|_| !refused.contains(&"frame.springs"));
+    let springs = springs.filter(|springs| are_possible(springs, scenario, &hold, mistakes));
+    Frame { hold, bars, clamp: *clamp, springs }
 }
 
 /// The clamped edges; under a stretch the jaws.
-fn held(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
-    let hold = match &scenario.frame.hold {
+pub(super) fn check_hold(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
+    match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
         Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
-        Some(scenario::Hold::Sides(sides)) => self::sides(sides, scenario, loading, mistakes),
+        Some(scenario::Hold::Sides(sides)) => check_sides(sides, scenario, loading, mistakes),
         None => loading.default_hold(),
-    };
-    if let Some(refusal) = loading.refuses_hold(&hold) {
-        refusal.report(PATH, mistakes);
     }
-    hold
 }
 
 impl Hold {
@@ -54,80 +51,230 @@ impl Hold {
     }
 }
 
-fn sides(
-    written: &[scenario::Side],
-    scenario: &Scenario,
-    loading: &Loading,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Hold {
+fn check_sides(written: &[Side], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
     let round = matches!(scenario.specimen.shape, Shape::Circle(_));
     if round {
-        let may_be_free = loading.refuses_hold(&Hold::None).is_none();
-        let hint = if may_be_free { "hold \"all\" or \"none\"" } else { "hold \"all\"" };
-        mistakes.report_with(PATH, "a circle has no sides", hint);
+        let hint = if loading.impact().is_some() { "hold \"all\" or \"none\"" } else { "hold \"all\"" };
+        mistakes.report_with(HOLD, "a circle has no sides", hint);
     }
-    let mut sides = Vec::new();
-    for (place, side) in written.iter().map(side).enumerate() {
-        if sides.contains(&side) {
-            mistakes.report(&format!("{PATH}.{place}"), "this side is already held");
-            if let Some(first) = written.iter().position(|other| self::side(other) == side) {
-                mistakes.label(&format!("{PATH}.{first}"), "here");
+    let mut sides: Vec<Side> = Vec::new();
+    for (place, side) in written.iter().enumerate() {
+        if sides.contains(side) {
+            mistakes.report(&format!("{HOLD}.{place}"), "this side is already held");
+            if let Some(first) = written.iter().position(|other| other == side) {
+                mistakes.label(&format!("{HOLD}.{first}"), "here");
             }
         } else {
-            sides.push(side);
+            sides.push(*side);
         }
     }
-    let [x, y] = symmetry(&scenario.specimen).mirrors();
+    let [x, y] = scenario.specimen.symmetry.mirrors();
     let alike = |a, b| sides.contains(&a) == sides.contains(&b);
-    let differ = (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus));
-    if differ {
-        mistakes.report_with(
-            PATH,
-            "of two sides across a mirror plane, only one is held",
-            "hold both, or set `specimen.symmetry` to \"none\"",
-        );
+    if (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus)) {
+        let hint = "hold both, or set `specimen.symmetry` to \"none\"";
+        mistakes.report_with(HOLD, "of two sides across a mirror plane, only one is held", hint);
     }
+    // The whole edge of a rectangle; that of an imported outline may have more to it.
+    let is_rim = matches!(scenario.specimen.shape, Shape::Rectangle(_)) && sides.len() == 4;
     // Further mistakes would name sides that a circle does not have.
-    if round || is_rim(&sides, scenario) { Hold::All } else { Hold::Sides(sides) }
+    if round || is_rim { Hold::All } else { Hold::Sides(sides) }
 }
 
-/// Whether the sides are the whole edge; that of an imported outline may have more to it.
-fn is_rim(sides: &[Side], scenario: &Scenario) -> bool {
-    matches!(scenario.specimen.shape, Shape::Rectangle(_)) && sides.len() == 4
+/// Most edges of an outline with bars: film and bodies are looked for at each of them.
+const MOST_EDGES: usize = 256;
+
+/// Share of a length that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The bars; none where there is a mistake in them.
+fn check_bars(
+    written: &scenario::Bars,
+    scenario: &Scenario,
+    hold: &Hold,
+    shape: Option<&Outline>,
+    faces: Option<&[Face]>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Bars> {
+    let radius = written.round.radius();
+    if let Some(faces) = faces {
+        fit_between(radius, faces, scenario, mistakes);
+    }
+    let opening = match (shape?, hold) {
+        (Outline::Mesh { .. }, _) => {
+            let hint = "give the outline as a rectangle or a polygon";
+            return mistakes.refuse(BARS, "bars along the edge of an imported mesh are not supported", hint);
+        }
+        (Outline::Circle { .. }, _) => {
+            let hint = "give the outline as a polygon with many corners";
+            return mistakes.refuse(BARS, "bars along a circle are not supported", hint);
+        }
+        (Outline::Polygon(_), Hold::Sides(_)) => {
+            let message = "bars along some sides of a polygon are not supported";
+            return mistakes.refuse(BARS, message, "hold \"all\", or use a rectangle");
+        }
+        (Outline::Polygon(polygon), _) if polygon.outer.len() > MOST_EDGES => {
+            let message = format!("the outline has {} edges; bars may lie along {MOST_EDGES}", polygon.outer.len());
+            return mistakes.refuse(BARS, message, "draw curves with fewer corners");
+        }
+        // No circle in a polygon is larger.
+        (Outline::Polygon(polygon), _) => 2.0 * polygon.area() / polygon.perimeter(),
+        (Outline::Rectangle { x, y }, hold) => {
+            let spans = |low, high, length: f64| {
+                let held = [low, high].into_iter().filter(|side| hold.holds(*side)).count();
+                match held {
+                    0 => f64::INFINITY,
+                    1 => length,
+                    _ => 0.5 * length,
+                }
+            };
+            spans(Side::XMinus, Side::XPlus, *x).min(spans(Side::YMinus, Side::YPlus, *y))
+        }
+    };
+    if radius >= opening {
+        let hint = format!("the radius must be below {} mm", significant(1e3 * opening, 4));
+        let hint = mistakes.meant(RADIUS).unwrap_or(hint);
+        return mistakes.refuse(RADIUS, "bars of this radius leave no free film between them", hint);
+    }
+    Some(Bars { radius, friction: written.friction })
 }
 
-fn side(written: &scenario::Side) -> Side {
-    match written {
-        scenario::Side::XMinus => Side::XMinus,
-        scenario::Side::XPlus => Side::XPlus,
-        scenario::Side::YMinus => Side::YMinus,
-        scenario::Side::YPlus => Side::YPlus,
+/// Bars must fit between two faces.
+fn fit_between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+    match faces {
+        [] | [_] => {}
+        [upper, lower] => {
+            let film = 0.5 * (upper.thickness() + lower.thickness());
+            let apart = upper.height - lower.height;
+            if 2.0 * radius + film > apart * (1.0 + ROUND_OFF) {
+                let down = |millimetres: f64| (1e3 * millimetres).floor() / 1e3;
+                let room = down(0.5e3 * (apart - film));
+                let needed = -down(-1e3 * (2.0 * radius + film));
+                let message =
+                    format!("bars of this radius do not fit between faces {} mm apart", significant(1e3 * apart, 4));
+                let hint = if room > 0.0 {
+                    format!("a radius of at most {room} mm fits; these bars need faces {needed} mm apart")
+                } else {
+                    format!("these bars need faces {needed} mm apart")
+                };
+                let hint = mistakes.meant(RADIUS).unwrap_or(hint);
+                mistakes.report_with(RADIUS, message, hint);
+                mistakes.label(&height_path(scenario, 1), "the lower face");
+            }
+        }
+        [_, _, ..] => {
+            let hint = "bars lie below one face, or between two";
+            mistakes.report_with(BARS, "bars with more than two faces are not supported", hint);
+        }
     }
 }
 
-/// The clamp; none where there is a mistake in it.
-fn check_clamp(
-    written: &scenario::Clamp,
+/// Whether there are as many springs as the mirror planes of the film allow, with a preload that they can have.
+fn are_possible(springs: &Springs, scenario: &Scenario, hold: &Hold, mistakes: &mut ModelDiagnostics<'_>) -> bool {
+    let multiple = match scenario.specimen.symmetry {
+        // They are counted from the positive x axis: half of their number up to the mirror plane across x has to be even.
+        Symmetry::HalfX if *hold == Hold::All => 4,
+        symmetry => symmetry.copies() as u32,
+    };
+    let count = springs.count;
+    let is_mirrored = count.is_multiple_of(multiple);
+    if !is_mirrored {
+        let message = format!("{count} springs have no mirror planes: the computed part would have a share of one");
+        let fits = count.next_multiple_of(multiple);
+        let hint = format!("use {fits} springs, or set `specimen.symmetry` to \"none\"");
+        mistakes.report_with("frame.springs.count", message, hint);
+    }
+    let elongation = springs.preload.map_or(0.0, |force| force.0 / springs.stiffness.0);
+    // A stiffness that is refused itself tells nothing.
+    let is_too_long = springs.preload.is_some() && elongation >= springs.length.0 && elongation.is_finite();
+    if is_too_long {
+        let elongation = significant(1e3 * elongation, 4);
+        let message = format!("a spring under this preload is elongated by {elongation} mm, and is not that long");
+        let hint = "use less preload, a larger `stiffness` or a larger `length`";
+        mistakes.report_with("frame.springs.preload", message, hint);
+        mistakes.label("frame.springs.length", "its length under the preload");
+    }
+    is_mirrored && !is_too_long
+}
+
+/// Contact between `faces`, with the coefficient of the `impactors` where none is given.
+pub(super) fn check_contact(
     scenario: &Scenario,
     loading: &Loading,
-    hold: &Hold,
+    faces: Option<&[Face]>,
+    impactors: &[Impactor],
     mistakes: &mut ModelDiagnostics<'_>,
-) -> Option<Clamp> {
-    const PATH: &str = "frame.clamp";
-    if let Some(refusal) = loading.refuses_clamp() {
-        refusal.report(PATH, mistakes);
-        return None;
+) -> Contact {
+    const FRICTION: &str = "contact.film_friction";
+    let Contact { film, itself, film_friction } = scenario.contact;
+    let has_impactor = !scenario.impactor.is_empty();
+    let under_pressure = loading.is_by_gas() && loading.refuses_faces().is_none();
+    let can_meet = scenario.faces() > 1 && (has_impactor || under_pressure);
+    let meets_itself = itself && (has_impactor || loading.is_by_gas());
+    if scenario.faces() > 1 && under_pressure {
+        if !film {
+            let hint = "true: the pressure acts on the lowest face, which presses on those above it";
+            mistakes.missing("contact.film", hint);
+        }
+        if film_friction.is_none() {
+            mistakes.missing(FRICTION, "there is no impactor whose coefficient faces could have");
+        }
+    } else if meets_itself && !has_impactor && film_friction.is_none() {
+        mistakes.missing(FRICTION, "there is no impactor whose coefficient film on film could have");
     }
-    if *hold == Hold::None {
-        mistakes.out_of_place(PATH, "no edge is held");
-        return None;
+    for (place, pair) in faces.unwrap_or_default().windows(2).enumerate().filter(|_| film) {
+        let [apart, needed] = [pair[0].height - pair[1].height, 0.5 * (pair[0].thickness() + pair[1].thickness())];
+        if apart > 0.0 && apart < needed * (1.0 - ROUND_OFF) {
+            let [apart, needed] = [apart, needed].map(|length| significant(1e6 * length, 3));
+            let message = format!("the faces are {apart} um apart, closer than they are thick");
+            let hint = format!("mount their middle surfaces at least {needed} um apart");
+            mistakes.report_with(&height_path(scenario, place + 1), message, hint);
+        }
     }
-    if scenario.air.as_ref().is_some_and(|air| air.cushion.is_some()) {
-        let hint = "leave the clamp or `air.cushion` out";
-        mistakes.report_with(PATH, "air between faces that slip in their clamp is not supported", hint);
-        mistakes.label("air.cushion", "the air between the faces");
-        return None;
+    let film_friction = match film_friction {
+        None if can_meet || meets_itself => friction_of(impactors, mistakes),
+        given => given,
+    };
+    Contact { film, itself, film_friction }
+}
+
+/// The coefficient that film has on film where none is given: that of the impactors, which is assumed where they have
+/// one in common. None where they differ: no impactor comes before another.
+fn friction_of(impactors: &[Impactor], mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
+    let (first, others) = impactors.split_first()?;
+    let Some(place) = others.iter().position(|other| other.friction != first.friction) else {
+        return Some(first.friction);
+    };
+    mistakes.missing("contact.film_friction", "the impactors differ in `friction`, so faces have none of theirs");
+    mistakes.label(&format!("impactor.{}.friction", place + 1), "another coefficient than that of the first impactor");
+    None
+}
+
+/// The air, whose cushion lies between two faces.
+pub(super) fn check_air(
+    scenario: &Scenario,
+    loading: &Loading,
+    faces: Option<&[Face]>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Air> {
+    let air = scenario.air.filter(|_| loading.inertia() == Inertia::Dynamic)?;
+    if air.cushion.is_none() {
+        return Some(air);
     }
-    let scenario::Clamp { force, friction, width } = written;
-    Some(Clamp { force: force.0, friction: *friction, width: width.map(|width| width.0) })
+    if faces.is_some_and(|faces| faces.len() != 2) {
+        let hint = "a cushion has two faces; air between more of them is not supported yet";
+        mistakes.report_with("air.cushion", "there is no air between exactly two faces of film", hint);
+    }
+    if let Some([upper, lower]) = faces {
+        let needed = 0.5 * (upper.thickness() + lower.thickness());
+        // Faces in the wrong order are refused elsewhere.
+        let apart = upper.height - lower.height;
+        if apart > 0.0 && apart <= needed {
+            let [apart, needed] = [apart, needed].map(|length| significant(1e6 * length, 3));
+            let message = format!("faces {apart} um apart are as thick as that: there is no air between them");
+            let hint = format!("mount their middle surfaces more than {needed} um apart");
+            mistakes.report_with(&height_path(scenario, 1), message, hint);
+            mistakes.label("air.cushion", "the air");
+        }
+    }
+    Some(air)
 }

@@ -1,24 +1,16 @@
-//! The impactors.
-
-mod several;
-pub(super) mod written;
+//! The impactors as written, with the paths of their tables, and checked: their names and releases, then each by itself.
 
 use nalgebra::Vector3;
 
+use super::exclusions::{self, Body};
 use super::loading::{Impact, Impactors};
-use super::specimen::symmetry;
-use super::{Guide, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part, Symmetry};
+use super::{Guide, Hinge, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part};
 use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
 use base::number::significant;
 use membrane::engine::GuideFriction;
-use written::Written;
 
 /// Default length of the shaft of a dart, in radii.
 const SHAFT: f64 = 4.0;
-
-/// Second label of mistakes about mirror planes.
-const SYMMETRY: &str = "specimen.symmetry";
-const MIRRORED: &str = "the mirror planes";
 
 /// Component of a velocity across a guide over its length from which it is meant.
 const ACROSS: f64 = 1e-9;
@@ -28,29 +20,27 @@ pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnos
     if loading.impactors() == Impactors::None {
         return Some(vec![]);
     }
-    let all = written::impactors(scenario, mistakes);
+    let all = impactors(scenario, mistakes);
     if all.is_empty() {
         mistakes.missing("impactor", format!("`loading.{}` needs an impactor", loading.name()));
         return None;
     }
     if let (Impactors::Prescribed, [_, second, ..]) = (loading.impactors(), all.as_slice()) {
-        let message = "an indentation has one impactor";
-        mistakes.report_with(&second.path, message, "give one `[impactor]`, or a `[loading.impact]`");
-        return None;
+        let hint = "give one `[impactor]`, or a `[loading.impact]`";
+        return mistakes.refuse(&second.path, "an indentation has one impactor", hint);
     }
-    several::check(&all, loading, scenario.frame.bars.is_some(), mistakes);
-    let checked: Vec<Option<Impactor>> = all.iter().map(|one| check_one(one, scenario, loading, mistakes)).collect();
+    check_several(&all, loading, mistakes);
+    let is_alone = all.len() == 1 && scenario.frame.bars.is_none();
+    let check = |written: &Written<'_>| {
+        let body = Body { body: written, loading, symmetry: scenario.specimen.symmetry, is_alone };
+        mistakes.exclude(&format!("{}.", written.path), &exclusions::impactor(), &body);
+        check_one(written, loading, mistakes)
+    };
+    let checked: Vec<Option<Impactor>> = all.iter().map(check).collect();
     checked.into_iter().collect()
 }
 
-fn check_one(
-    written: &Written<'_>,
-    scenario: &Scenario,
-    loading: &Loading,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Option<Impactor> {
-    mirrored(written, symmetry(&scenario.specimen), mistakes);
-    indented(written, loading, mistakes);
+fn check_one(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Impactor> {
     let guide = guide(written, mistakes);
     let orientation = rotation(written.orientation.as_ref(), &written.key("orientation"), mistakes);
     let shape = shape(written, mistakes);
@@ -62,7 +52,7 @@ fn check_one(
         shape: shape?,
         mass: mass?,
         guide,
-        guide_friction: guide_friction(written, loading, mistakes),
+        guide_friction: guide_friction(written, mistakes),
         friction: written.friction,
         restitution: written.restitution,
         inertia: inertia(written, mistakes),
@@ -75,33 +65,13 @@ fn check_one(
     })
 }
 
-/// Keys without a meaning where the motion of the impactor is prescribed.
-fn indented(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
-    if loading.impactors() != Impactors::Prescribed {
-        return;
-    }
-    if written.guide != scenario::Guide::Z {
-        let message = "an indentation prescribes the motion of the impactor along z";
-        mistakes.report_with(&written.key("guide"), message, "leave the key out");
-    }
-    for key in ["velocity", "spin", "inertia"].map(|key| written.key(key)) {
-        if mistakes.is_written(&key) {
-            mistakes.out_of_place(&key, "an indentation prescribes the motion of the impactor");
-        }
-    }
-    if written.position.len() > 2 {
-        let message = "an indentation begins in contact with the film";
-        mistakes.report_with(&written.key("position"), message, "give x and y");
-    }
-}
-
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
 fn mass(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
     let key = written.key("mass");
     if loading.impactors() == Impactors::Prescribed {
         return Some(f64::INFINITY);
     }
-    if written.guide == scenario::Guide::Fixed {
+    if written.guide == Guide::Fixed {
         if written.mass.is_some() && !mistakes.is_inherited(&key) {
             mistakes.out_of_place(&key, "a fixed impactor does not move");
         }
@@ -113,16 +83,14 @@ fn mass(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostic
     written.mass.map(|mass| mass.0)
 }
 
+/// The guide with directions of length one.
 fn guide(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Guide> {
-    Some(match &written.guide {
-        scenario::Guide::Z => Guide::Z,
-        scenario::Guide::Free => Guide::Free,
-        scenario::Guide::Fixed => Guide::Fixed,
-        scenario::Guide::Line(line) => Guide::Line(direction(*line, &written.key("guide.line"), mistakes)?),
-        scenario::Guide::Hinge(hinge) => Guide::Hinge {
-            axis: direction(hinge.axis, &written.key("guide.hinge.axis"), mistakes)?,
-            at: hinge.at.map(|length| length.0),
-        },
+    Some(match written.guide {
+        Guide::Line(line) => Guide::Line(direction(line, &written.key("guide.line"), mistakes)?),
+        Guide::Hinge(Hinge { axis, at }) => {
+            Guide::Hinge(Hinge { axis: direction(axis, &written.key("guide.hinge.axis"), mistakes)?, at })
+        }
+        guide => guide,
     })
 }
 
@@ -151,16 +119,7 @@ fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &m
         Guide::Free => return velocity,
         Guide::Z => Vector3::z(),
         Guide::Line(line) => line.into(),
-        Guide::Fixed | Guide::Hinge { .. } => {
-            if written.velocity.is_some() {
-                let why = match guide {
-                    Guide::Fixed => "a fixed impactor has none",
-                    _ => "an impactor on a hinge has a `spin`",
-                };
-                mistakes.out_of_place(key, why);
-            }
-            return [0.0; 3];
-        }
+        Guide::Fixed | Guide::Hinge(_) => return [0.0; 3],
     };
     let velocity = Vector3::from(velocity);
     if written.velocity.is_none() && along.z == 0.0 {
@@ -186,9 +145,6 @@ fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &m
 fn inertia(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
     let key = &written.key("inertia");
     let moments = written.inertia?.map(|moment| moment.0);
-    if !matches!(written.guide, scenario::Guide::Free | scenario::Guide::Hinge(_)) {
-        mistakes.out_of_place(key, "the guide admits no rotation; \"free\" and a hinge do");
-    }
     let [x, y, z] = moments;
     if x > y + z || y > x + z || z > x + y {
         let message = "no body has a moment of inertia above the sum of the other two";
@@ -202,38 +158,23 @@ fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut ModelDiagnostics<'_>
     let key = &written.key("spin");
     let Some(spin) = written.spin else { return [0.0; 3] };
     let spin = Vector3::from(spin.map(|component| component.0));
-    match guide {
-        Guide::Free => {}
-        Guide::Z | Guide::Line(_) | Guide::Fixed => {
-            mistakes.out_of_place(key, "the guide admits no rotation; \"free\" and a hinge do");
-        }
-        Guide::Hinge { axis, .. } => {
-            let axis = Vector3::from(axis);
-            if (spin - axis * spin.dot(&axis)).norm() > ACROSS * spin.norm() {
-                let message = "the hinge admits no rotation about another axis";
-                mistakes.report_with(key, message, "give a spin along the axis of the hinge");
-                mistakes.label(&written.key("guide.hinge.axis"), "the axis");
-            }
+    if let Guide::Hinge(Hinge { axis, .. }) = guide {
+        let axis = Vector3::from(axis);
+        if (spin - axis * spin.dot(&axis)).norm() > ACROSS * spin.norm() {
+            let message = "the hinge admits no rotation about another axis";
+            mistakes.report_with(key, message, "give a spin along the axis of the hinge");
+            mistakes.label(&written.key("guide.hinge.axis"), "the axis");
         }
     }
     spin.into()
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> GuideFriction {
-    let (key, guide) = (&written.key("guide_friction"), &written.key("guide"));
+fn guide_friction(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> GuideFriction {
+    let key = &written.key("guide_friction");
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
     };
-    if written.guide == scenario::Guide::Free {
-        let hint = format!("leave the key out, or set `{guide}` to \"z\"");
-        mistakes.report_with(key, "a free impactor has no guide", hint);
-    } else if written.guide != scenario::Guide::Z {
-        mistakes.report_with(key, "friction of a guide along z only is supported", "leave the key out");
-        mistakes.label(guide, "the guide");
-    } else if loading.impactors() == Impactors::Prescribed {
-        mistakes.report_with(key, "an indentation prescribes the motion of the impactor", "leave the key out");
-    }
     for (index, [before, after]) in friction.curve.array_windows().enumerate() {
         if after.0.0 <= before.0.0 {
             let message = "the curve is not increasing in speed";
@@ -306,46 +247,106 @@ fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut ModelDiagnostics<
         return Some(());
     }
     let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));
-    mistakes.report_with(path, "this radius is too large", hint);
-    None
+    mistakes.refuse(path, "this radius is too large", hint)
 }
 
-/// With mirror planes, the impactor lies in them, is guided and symmetric.
-fn mirrored(written: &Written<'_>, symmetry: Symmetry, mistakes: &mut ModelDiagnostics<'_>) {
-    if symmetry == Symmetry::None {
+/// Names that tell several impactors apart, and releases within the run.
+fn check_several(all: &[Written<'_>], loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    names(all, mistakes);
+    let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
+    let earliest = earliest.filter(|_| loading.impactors() == Impactors::Free);
+    // Of one whose `at` is to be left out, nothing else about it matters.
+    let released_later = all.iter().filter(|one| earliest.is_none_or(|earliest| earliest.path != one.path));
+    released_later.for_each(|one| released(one, loading, mistakes));
+    if let Some(one) = earliest {
+        let message = "no impactor is released at the start";
+        mistakes.report_with(&one.key("at"), message, "the run starts with the first one: leave its `at` out");
+    }
+}
+
+fn names(all: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) {
+    for (place, one) in all.iter().enumerate() {
+        let key = one.key("name");
+        let Some(name) = &one.name else {
+            if all.len() > 1 {
+                mistakes.missing(&key, "several impactors have names, with which those of their signals begin");
+            }
+            continue;
+        };
+        if !is_identifier(name) {
+            let hint = "give a letter, then letters, digits and underscores: it is the beginning of names of columns";
+            mistakes.report_with(&key, format!("\"{name}\" is no name of an impactor"), hint);
+        }
+        for earlier in &all[..place] {
+            let Some(other) = &earlier.name else { continue };
+            let begins = |long: &str, short: &str| long.strip_prefix(short).is_some_and(|rest| rest.starts_with('_'));
+            if name == other {
+                mistakes.report(&key, format!("two impactors have the name \"{name}\""));
+            } else if name.eq_ignore_ascii_case(other) {
+                let message = format!("the names \"{name}\" and \"{other}\" differ by case alone");
+                mistakes.report_with(&key, message, "give names that nobody confuses");
+            } else if begins(name, other) || begins(other, name) {
+                let message = format!("columns of \"{name}\" and \"{other}\" cannot be told apart");
+                mistakes.report_with(&key, message, "a name must not begin with another one and an underscore");
+            } else {
+                continue;
+            }
+            mistakes.label(&earlier.key("name"), "the other impactor");
+        }
+    }
+}
+
+/// Most letters of a name.
+const LONGEST: usize = 32;
+
+fn is_identifier(name: &str) -> bool {
+    let is_word = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    is_word && name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.len() <= LONGEST && !name.ends_with('_')
+}
+
+/// A release after the start.
+fn released(one: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    let key = one.key("at");
+    let Some(Impact { duration, .. }) = loading.impact() else { return };
+    if one.at.0 <= 0.0 || one.guide == Guide::Fixed {
         return;
     }
-    let hint = "set `specimen.symmetry` to \"none\"";
-    let off_centre =
-        symmetry.mirrors().iter().zip(&written.position).any(|(mirror, offset)| *mirror && offset.0 != 0.0);
-    if off_centre {
-        let message = "the axis of the impactor is not in the mirror plane";
-        mistakes.report_with(&written.key("position"), message, hint);
-        mistakes.label(SYMMETRY, MIRRORED);
+    if one.at.0 >= *duration {
+        mistakes.report(&key, "the impactor is released after the end of the run");
+        mistakes.label("loading.impact.duration", "the run ends here");
     }
-    let moves_out = !matches!(written.guide, scenario::Guide::Z | scenario::Guide::Fixed);
-    let message = match written.guide {
-        scenario::Guide::Free => "a free impactor can tip out of the mirror plane",
-        _ => "an impactor on a line or a hinge is not known to stay in the mirror plane",
-    };
-    let of_shape = match &written.shape {
-        scenario::ImpactorShape::One(BodyShape::Mesh(_)) => Some("mesh"),
-        scenario::ImpactorShape::Compound(_) => Some("compound"),
-        scenario::ImpactorShape::One(_) => None,
-    };
-    let mut report = |path: &str, message: &str| {
-        mistakes.report_with(&written.key(path), message, hint);
-        mistakes.label(SYMMETRY, MIRRORED);
-    };
-    if moves_out {
-        report("guide", message);
+    if one.position.len() < 3 {
+        let message = "an impactor that is released later needs a height";
+        let hint = "give x, y and z: film moves, so that none is in contact with it by itself";
+        mistakes.report_with(&one.key("position"), message, hint);
     }
-    if written.orientation.is_some() {
-        report("orientation", "an inclined impactor is not symmetric");
+}
+
+/// An impactor as written.
+pub(in crate::model) struct Written<'s> {
+    body: &'s scenario::Impactor,
+    /// Path of its table.
+    pub(in crate::model) path: String,
+}
+
+impl Written<'_> {
+    /// Path of its `key`.
+    pub(in crate::model) fn key(&self, key: &str) -> String {
+        format!("{}.{key}", self.path)
     }
-    match of_shape {
-        Some("mesh") => report("shape.mesh", "the symmetry of a meshed impactor is not known"),
-        Some(_) => report("shape.compound", "the symmetry of a compound impactor is not known"),
-        None => {}
+}
+
+impl std::ops::Deref for Written<'_> {
+    type Target = scenario::Impactor;
+
+    fn deref(&self) -> &scenario::Impactor {
+        self.body
     }
+}
+
+/// All impactors as written: one table, or a list of them.
+pub(in crate::model) fn impactors<'s>(scenario: &'s Scenario, mistakes: &ModelDiagnostics<'_>) -> Vec<Written<'s>> {
+    let is_list = mistakes.is_written("impactor.0");
+    let path = |place: usize| if is_list { format!("impactor.{place}") } else { "impactor".to_owned() };
+    scenario.impactor.iter().enumerate().map(|(place, body)| Written { body, path: path(place) }).collect()
 }

@@ -1,6 +1,6 @@
 //! The material of a layer: valid curves with their multipliers.
 
-use super::{ModelDiagnostics, hyperelastic, plastic, rupture, viscous};
+use super::{ModelDiagnostics, exclusions, law};
 use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
@@ -20,11 +20,11 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagn
         (None, Some(written), ..) => (elastic(written), written.measured_rates, of("elastic")),
         (None, None, Some(written), _) => {
             let place = of("hyperelastic");
-            (hyperelastic::check(written, &place, mistakes)?, written.measured_rates, place)
+            (law::check_hyperelastic(written, &place, mistakes)?, written.measured_rates, place)
         }
         (None, None, None, Some(written)) => {
             let place = of("plastic");
-            (plastic::check(written, &place, mistakes)?, written.measured_rates, place)
+            (law::check_plastic(written, &place, mistakes)?, written.measured_rates, place)
         }
         (None, None, None, None) => return None,
     };
@@ -34,10 +34,14 @@ pub fn check(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagn
         mistakes.report_with(&path, "the highest rate is below the lowest", "write the lowest first");
     }
     let measured_rates = written_rates.or_else(|| law.rates());
-    let viscosity = viscous::check(written, &law, path, mistakes);
-    let rupture = rupture::check(written, &law, path, mistakes);
-    let thermal = check_thermal(written, path, mistakes);
+    let refused = mistakes.exclude(&of(""), &exclusions::material(), written);
+    let is_possible = |key: &str| !refused.contains(&key);
+    let viscosity = is_possible("prony").then(|| law::check_viscosity(written, &law, path, mistakes)).flatten();
+    let rupture = is_possible("rupture").then(|| law::check_rupture(written, &law, path, mistakes)).flatten();
     let (density, thickness) = (written.density.0, written.thickness.0);
+    // The ranges were checked before.
+    let heated = written.thermal.filter(|thermal| density * thermal.heat.0 > 0.0 && is_possible("thermal"));
+    let thermal = heated.map(|heated| Thermal { capacity: density * heated.heat.0, softening: heated.softening.0 });
     Some(Material { density, thickness, law, viscosity, rupture, thermal, measured_rates })
 }
 
@@ -52,9 +56,6 @@ fn fabric(written: &scenario::Fabric, path: &str, mistakes: &mut ModelDiagnostic
     let shear_path = format!("{path}.shear.curve");
     let place = |index: usize| format!("{shear_path}.{index}");
     let shear = curve(&written.shear.curve, &shear_path, place, mistakes);
-    if written.rate_memory.is_some() && written.md.rates.is_none() && written.td.rates.is_none() {
-        mistakes.out_of_place(&format!("{path}.rate_memory"), "neither fibre set has `rates`");
-    }
     if written.biaxial_source.as_ref().is_some_and(|source| source.trim().is_empty()) {
         let path = format!("{path}.biaxial_source");
         mistakes.report_with(
@@ -333,30 +334,4 @@ fn curve(
         CurveError::TooShort => mistakes.report(path, error.to_string()),
     }
     None
-}
-
-/// The heating of film that is written in the material at `path`; none where there is none or it is invalid.
-fn check_thermal(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Thermal> {
-    let thermal = written.thermal?;
-    let place = if path.is_empty() { "thermal".to_owned() } else { format!("{path}.thermal") };
-    let absorbs = written.plastic.is_some()
-        || !written.prony.is_empty()
-        || written.fabric.as_ref().is_some_and(|fabric| fabric.absorption > 0.0);
-    if !absorbs {
-        let message = "film that absorbs no energy does not warm up";
-        let hint = "give `fabric.absorption`, `prony` or a `plastic` law, or leave `thermal` out";
-        mistakes.report_with(&place, message, hint);
-        return None;
-    }
-    let fabric_by_rate = written.fabric.as_ref().is_some_and(|f| f.md.rates.is_some() || f.td.rates.is_some());
-    let plastic_by_rate = written.plastic.as_ref().is_some_and(|plastic| plastic.hardening.rates.is_some());
-    if fabric_by_rate || plastic_by_rate {
-        let message =
-            "film with curves by strain rate cannot also warm up: those of high rates have their heat in them";
-        mistakes.report_with(&place, message, "leave `thermal` out, or give the slowest curve alone");
-        return None;
-    }
-    // The ranges were checked before.
-    let capacity = written.density.0 * thermal.heat.0;
-    (capacity > 0.0).then_some(Thermal { capacity, softening: thermal.softening.0 })
 }

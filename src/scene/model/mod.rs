@@ -1,43 +1,38 @@
 //! The checked scenario: SI values, complete, immutable.
 
-mod air;
-mod contact;
+mod depth;
 mod diagnostics;
-mod field;
+mod exclusions;
 mod frame;
-mod grading;
-mod hyperelastic;
-mod identity;
+mod meshing;
+mod law;
 mod impactor;
-mod layers;
 pub mod loading;
 mod material;
-mod output;
-mod plastic;
 mod reference;
-mod rupture;
-mod size;
 mod specimen;
 mod variation;
-mod viscous;
 mod warning;
-mod words;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use diagnostics::ModelDiagnostics;
+use exclusions::Scene;
+pub use exclusions::exclusions;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::{Meshing, Outline, Side};
+pub use crate::scenario::{Air, Clamp, Contact, Guide, Hinge, Solver, Springs, Symmetry};
 use crate::scenario::{Document, Scenario};
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, shown_path};
+use base::file::Digest;
+use base::number::{duration, significant};
+pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
-
-pub use identity::Identity;
-pub use loading::Loading;
-pub use size::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
-pub use variation::{Factor, Input, Level, Point, Points, PointsError, Values, Variation, variation};
+pub use meshing::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
+pub use variation::{Factor, Input, Level, Point, Points, Values, Variation, variation};
 pub use warning::{ABSORPTION_NOT_GIVEN, CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.
@@ -45,13 +40,7 @@ pub use warning::{ABSORPTION_NOT_GIVEN, CODES, Warning, warnings};
 /// # Errors
 /// All mistakes of the scenario, at once.
 pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
-    let (scenario, mistakes) = document.scenario();
-    let mut mistakes = ModelDiagnostics::new(document, mistakes);
-    let model = scenario.and_then(|scenario| model(&scenario, &mut mistakes));
-    match model {
-        Some(model) if mistakes.found.0.is_empty() => Ok(model),
-        _ => Err(mistakes.into_mistakes()),
-    }
+    checked(document, document.scenario(), model)
 }
 
 /// Checks a material file alone.
@@ -59,11 +48,18 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// # Errors
 /// All mistakes of the file, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
-    let (written, mistakes) = document.material();
+    checked(document, document.material(), |written, mistakes| material::check(written, "", mistakes))
+}
+
+/// The value of what is written in `document`, with the mistakes found in it so far; none of both alone.
+fn checked<W, T>(
+    document: &Document,
+    (written, mistakes): (Option<W>, Vec<Diagnostic>),
+    check: impl FnOnce(&W, &mut ModelDiagnostics<'_>) -> Option<T>,
+) -> Result<T, Vec<Diagnostic>> {
     let mut mistakes = ModelDiagnostics::new(document, mistakes);
-    let material = written.and_then(|written| material::check(&written, "", &mut mistakes));
-    match material {
-        Some(material) if mistakes.found.0.is_empty() => Ok(material),
+    match written.and_then(|written| check(&written, &mut mistakes)) {
+        Some(value) if mistakes.found.0.is_empty() => Ok(value),
         _ => Err(mistakes.into_mistakes()),
     }
 }
@@ -74,30 +70,26 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
     let specimen = specimen::check(&scenario.specimen, mistakes);
     // Ahead of the parts below, which may be refused or required by its kind.
     let loading = loading::check(scenario, mistakes);
-    let mut faces = layers::check(scenario, &loading, mistakes);
-    let frame = frame::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
-    let air = air::check(scenario, &loading, faces.as_deref(), &frame, mistakes);
-    let holds_gas = loading.is_by_gas() || air.is_some_and(|air| air.cushion.is_some());
-    if holds_gas && !scenario.specimen.cuts.is_empty() {
-        let hint = "leave `cuts` out, or the gas";
-        mistakes.report_with("specimen.cuts", "film with cuts does not hold gas", hint);
-    }
+    let hold = frame::check_hold(scenario, &loading, mistakes);
+    let refused = mistakes.exclude("", &exclusions::scene(), &Scene { scenario, loading: &loading, hold: &hold });
+    let mut faces = specimen::check_faces(scenario, &loading, mistakes);
+    let frame = frame::check(scenario, hold, specimen.as_ref(), faces.as_deref(), &refused, mistakes);
+    let air = frame::check_air(scenario, &loading, faces.as_deref(), mistakes);
     let impactors = impactor::check(scenario, &loading, mistakes);
     let first = impactors.as_deref().unwrap_or_default().first();
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
-    grading::check(scenario, &loading, graded, all, shape, mistakes);
+    meshing::check_grading(scenario, &loading, graded, all, shape, mistakes);
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
-    let solver = output::check_solver(scenario);
-    let mut output = output::check(scenario, &loading, specimen.as_ref(), mistakes);
+    let mut output = reference::check_output(scenario, &loading, specimen.as_ref(), mistakes);
     let reference = reference::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
     if let (Some(field), Some(specimen)) = (reference.as_ref().and_then(|known| known.field.as_ref()), &specimen) {
-        output.motion = Some(field::motion(field, loading.run_time(&specimen.shape)));
+        output.motion = Some(reference::motion(field, loading.run_time(&specimen.shape)));
     }
-    let post = output::check_post(scenario, mistakes);
+    let post = reference::check_post(scenario, mistakes);
     let contact =
-        contact::check(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
+        frame::check_contact(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
     if let Some(written) = &scenario.variation {
         variation::check(written, mistakes);
     }
@@ -111,14 +103,14 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         loading,
         contact,
         air,
-        solver,
+        solver: scenario.solver,
         output,
         reference,
         post,
     };
     // Last, since these ask about the whole.
-    size::check(&model, mistakes);
-    loading::depth(&model, mistakes);
+    meshing::check_size(&model, mistakes);
+    depth::check(&model, mistakes);
     Some(model)
 }
 
@@ -227,19 +219,6 @@ pub struct Specimen {
     pub cuts: Vec<Vec<[f64; 2]>>,
 }
 
-/// Mirror planes through the origin; the computed part lies at x >= 0 and/or y >= 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Symmetry {
-    /// The whole film is computed.
-    None,
-    /// Only x >= 0 is computed.
-    HalfX,
-    /// Only y >= 0 is computed.
-    HalfY,
-    /// Only x >= 0 and y >= 0 is computed.
-    Quarter,
-}
-
 /// One face of film: `layers` layers that act as one membrane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Face {
@@ -265,6 +244,13 @@ pub struct Face {
     pub settle: bool,
 }
 
+impl Face {
+    /// Thickness of all of its layers, m.
+    pub fn thickness(&self) -> f64 {
+        self.material.thickness * f64::from(self.layers)
+    }
+}
+
 /// The mounting frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
@@ -285,30 +271,6 @@ pub struct Bars {
     pub radius: f64,
     /// Coulomb coefficient between bars and film.
     pub friction: f64,
-}
-
-/// A clamp in which film slips.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Clamp {
-    /// Force on each face of film along all of its held edges, N.
-    pub force: f64,
-    /// Coulomb coefficient between the clamp and each side of the film.
-    pub friction: f64,
-    /// Length of film within the clamp, m; `None` where it never slips out.
-    pub width: Option<f64>,
-}
-
-/// Linear springs between the held edges of film and the frame, all values of one spring.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Springs {
-    /// N/m.
-    pub stiffness: f64,
-    /// How many there are along the held edges of each face of the whole film.
-    pub count: u32,
-    /// Length as mounted, m.
-    pub length: f64,
-    /// Force at that length, N; `None` where it is that of the film's pre-strain.
-    pub preload: Option<f64>,
 }
 
 /// Clamped edges.
@@ -363,7 +325,7 @@ impl Impactor {
 
     /// Whether it does not move along z alone.
     pub fn is_spatial(&self) -> bool {
-        matches!(self.guide, Guide::Free | Guide::Line(_) | Guide::Hinge { .. })
+        matches!(self.guide, Guide::Free | Guide::Line(_) | Guide::Hinge(_))
     }
 }
 
@@ -451,68 +413,6 @@ pub struct Part {
     pub at: [f64; 3],
     /// Rotation about that point: an axis times an angle, rad.
     pub orientation: [f64; 3],
-}
-
-/// Degrees of freedom of the impactor.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Guide {
-    /// Only translation along z.
-    Z,
-    /// Six degrees of freedom.
-    Free,
-    /// None.
-    Fixed,
-    /// Translation along this unit vector.
-    Line([f64; 3]),
-    /// Rotation about an axis that stays where it is.
-    Hinge {
-        /// Unit vector along the axis.
-        axis: [f64; 3],
-        /// A point of it, m.
-        at: [f64; 3],
-    },
-}
-
-/// Contact of film with film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Contact {
-    /// Whether faces meet each other, also where the impactor is not.
-    pub film: bool,
-    /// Whether each face meets itself.
-    pub itself: bool,
-    /// Coulomb coefficient of film on film, whichever impactor presses it; none where nothing does.
-    pub film_friction: Option<f64>,
-}
-
-/// The air around the film.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Air {
-    /// The cushion of air between the two faces.
-    pub cushion: Option<Cushion>,
-    /// Mass of air per area of film that moves with it, kg/m².
-    pub added_mass: f64,
-    /// kg/m³.
-    pub density: f64,
-    /// Pa.
-    pub pressure: f64,
-}
-
-/// Air between two faces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cushion {
-    /// Exponent of pressure over density.
-    pub exponent: f64,
-    /// Area of the vents times their discharge coefficient, m².
-    pub vent: f64,
-}
-
-/// How time is stepped.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Solver {
-    /// Factor on the stable time step, 0 < factor ≤ 1.
-    pub step_factor: f64,
-    /// Stable time step that elements with a shorter one get by added mass, s; none where no mass is added.
-    pub smallest_step: Option<f64>,
 }
 
 /// The signals and snapshots that a run records.
@@ -612,4 +512,111 @@ pub enum Window {
     All,
     /// From, to; s.
     Range([f64; 2]),
+}
+
+impl Impactor {
+    /// The impactor and its motion: `sphere 10.72 kg at 4.16 m/s`.
+    pub fn in_words(&self) -> String {
+        let (body, mass) = (self.body(), significant(self.mass, 4));
+        let speed = self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let at = if self.release > 0.0 { format!(" from {}", duration(self.release)) } else { String::new() };
+        match self.guide {
+            Guide::Fixed => format!("fixed {body}"),
+            Guide::Hinge(_) => format!("{body} {mass} kg on a hinge{at}"),
+            _ => format!("{body} {mass} kg at {} m/s{at}", significant(speed, 3)),
+        }
+    }
+
+    /// The name of its shape.
+    pub fn body(&self) -> &'static str {
+        match self.shape {
+            ImpactorShape::Sphere { .. } => "sphere",
+            ImpactorShape::Hemisphere { .. } => "hemisphere",
+            ImpactorShape::Capsule { .. } => "capsule",
+            ImpactorShape::Cylinder { .. } => "cylinder",
+            ImpactorShape::Cone { .. } => "cone",
+            ImpactorShape::Box { .. } => "box",
+            ImpactorShape::Mesh { .. } | ImpactorShape::Compound(_) => "body",
+        }
+    }
+}
+
+impl Model {
+    /// Its layers: `2 x 8 layers of LLDPE` where all faces are alike, else `8 + 9 layers of LLDPE`.
+    pub fn layers_in_words(&self) -> String {
+        let counts: Vec<u32> = self.faces.iter().map(|face| face.layers).collect();
+        let layers = match counts.as_slice() {
+            [1] => "1 layer".into(),
+            [count] => format!("{count} layers"),
+            [first, rest @ ..] if rest.iter().all(|count| count == first) => {
+                format!("{} x {first} layer{}", counts.len(), if *first == 1 { "" } else { "s" })
+            }
+            _ => {
+                let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
+                format!("{} layers", counts.join(" + "))
+            }
+        };
+        format!("{layers} of {}", self.film())
+    }
+}
+
+/// The identity of a run, equal where its bits are: the checked model without its name, its paths and what is read
+/// after the run, and the content of its meshes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    model: Model,
+    /// The files of its meshes, specimen first.
+    meshes: Vec<Digest>,
+}
+
+impl Identity {
+    /// The identity of the runs of `model`.
+    ///
+    /// # Errors
+    /// A mesh cannot be read.
+    pub fn from_model(model: &Model) -> io::Result<Identity> {
+        let meshes = model.meshes().into_iter().map(|mesh| digest(mesh.path)).collect::<io::Result<_>>()?;
+        Ok(Identity { model: decisive(model), meshes })
+    }
+}
+
+fn digest(path: &Path) -> io::Result<Digest> {
+    Digest::of_file(path).map_err(|error| io::Error::other(format!("{}: {error}", shown_path(path))))
+}
+
+/// The model without what does not determine the bits of its run: its name, the paths of its meshes, and what is read
+/// after the run.
+fn decisive(model: &Model) -> Model {
+    let mut model = Model { name: String::new(), title: String::new(), reference: None, post: None, ..model.clone() };
+    if let Outline::Mesh { path, .. } = &mut model.specimen.shape {
+        *path = PathBuf::new();
+    }
+    model.impactors.iter_mut().for_each(|impactor| without_paths(&mut impactor.shape));
+    model
+}
+
+fn without_paths(shape: &mut ImpactorShape) {
+    match shape {
+        ImpactorShape::Mesh { path, .. } => *path = PathBuf::new(),
+        ImpactorShape::Compound(parts) => parts.iter_mut().for_each(|part| without_paths(&mut part.shape)),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_is_compared_by_what_its_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, moved] = ["a.stl", "b.stl"].map(|name| folder.path().join(name));
+        std::fs::write(&path, "solid film").unwrap();
+        let before = digest(&path).unwrap();
+        std::fs::rename(&path, &moved).unwrap();
+        assert_eq!(digest(&moved).unwrap(), before);
+        std::fs::write(&moved, "solid Film").unwrap();
+        assert_ne!(digest(&moved).unwrap(), before);
+        assert!(digest(&path).is_err());
+    }
 }

@@ -1,11 +1,16 @@
-//! The recording and the field that a run is compared with.
+//! The recording and the displacement field that a run is compared with; the signals and snapshots that it records.
 
-use super::impactor::written::{self, Written};
-use super::loading::Impact;
-use super::{Face, Loading, ModelDiagnostics, Reference, Specimen, Window, field};
-use crate::scenario::{self, Guide, Phase, Scenario};
-use base::diagnostic::closest;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::impactor::{self, Written};
+use super::loading::{Impact, Test};
+use super::{Align, Face, FieldReference, Loading, ModelDiagnostics, Motion, Output, Reference, Specimen, Window};
+use crate::scenario::{self, FieldFiles, FieldTimes, Filter, Guide, Marker, Phase, Scenario};
+use base::diagnostic::{closest, shown_path, tidy_path};
+use base::number::duration;
 use base::units::Time;
+use lab::dic::{RigidMotion, in_order, read_times};
 
 const WINDOW: &str = "reference.window";
 
@@ -19,12 +24,11 @@ pub fn check(
 ) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     if written.signals.is_none() && written.field.is_none() {
-        mistakes.report_with("reference", "there is nothing to compare with", "name `signals`, a `field`, or both");
-        return None;
+        return mistakes.refuse("reference", "there is nothing to compare with", "name `signals`, a `field`, or both");
     }
     let run_time = specimen.map(|specimen| loading.run_time(&specimen.shape));
-    let field = written.field.as_ref().map(|field| field::check(field, faces, run_time, mistakes));
-    let impactors = written::impactors(scenario, mistakes);
+    let field = written.field.as_ref().map(|field| check_field(field, faces, run_time, mistakes));
+    let impactors = impactor::impactors(scenario, mistakes);
     let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
     let recorded = impactors.get(place);
     let why = match recorded.map(|impactor| &impactor.guide) {
@@ -44,26 +48,6 @@ pub fn check(
         scenario::Window::Phase(Phase::All) => Window::All,
         scenario::Window::Range(range) => Window::Range(self::range(range, loading, mistakes)),
     };
-    if written.signals.is_none() {
-        let of_signals = [
-            "impactor",
-            "acceleration",
-            "displacement",
-            "drop_height",
-            "height_error",
-            "speed",
-            "speed_error",
-            "contact_time",
-            "contact_error",
-            "time_constant",
-            "guide_friction",
-        ];
-        for key in of_signals.map(|key| format!("reference.{key}")) {
-            if mistakes.is_written(&key) {
-                mistakes.out_of_place(&key, "there are no `signals`");
-            }
-        }
-    }
     let signals = match written.signals {
         Some(_) => Some(mistakes.file("reference.signals")?),
         None => None,
@@ -122,4 +106,201 @@ fn range([from, to]: [Time; 2], loading: &Loading, mistakes: &mut ModelDiagnosti
         mistakes.label("loading.impact.duration", "the run ends here");
     }
     [from.0, to.0]
+}
+
+const FILES: &str = "reference.field.files";
+const TIMES: &str = "reference.field.times";
+
+/// The field, of a run that takes so long, s; none without one.
+pub fn check_field(
+    written: &scenario::FieldReference,
+    faces: Option<&[Face]>,
+    run_time: Option<f64>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<FieldReference> {
+    let count = faces.map_or(usize::MAX, <[Face]>::len);
+    let face = usize::try_from(written.face).unwrap_or(usize::MAX);
+    if face > count {
+        let faces = if count == 1 { "one face".to_owned() } else { format!("{count} faces") };
+        mistakes.report("reference.field.face", format!("there is no face {face}: the film has {faces}"));
+    }
+    let align = align(&written.align, mistakes);
+    let files = files(&written.files, mistakes)?;
+    let times = times(&written.times, files.len(), mistakes)?;
+    if let Some(run_time) = run_time
+        && times.iter().all(|time| *time > run_time || *time < 0.0)
+    {
+        let message = format!("no file was recorded during the run, which takes {}", duration(run_time));
+        mistakes.report_with(
+            TIMES,
+            message,
+            "times are those of the run: zero is its start, first contact of an impact",
+        );
+    }
+    let unit = written.unit.map(scenario::MeshUnit::metres);
+    Some(FieldReference { files, times, unit, face: face.saturating_sub(1), align: align? })
+}
+
+/// The motion of its face that a run of so long (s) records for the comparison with a field.
+pub fn motion(field: &FieldReference, run_time: f64) -> Motion {
+    let times = field.times.iter().copied().filter(|time| (0.0..=run_time).contains(time)).collect();
+    Motion { face: field.face, times }
+}
+
+fn align(written: &scenario::Align, mistakes: &mut ModelDiagnostics<'_>) -> Option<Align> {
+    let markers = match written {
+        scenario::Align::Rigid => return Some(Align::Rigid),
+        scenario::Align::None => return Some(Align::None),
+        scenario::Align::Markers(markers) => markers,
+    };
+    let pair = |marker: &Marker| [marker.field, marker.film].map(|place| place.map(|length| length.0));
+    let pairs: Vec<_> = markers.iter().map(pair).collect();
+    if RigidMotion::of_pairs(&pairs).is_none() {
+        let hint = "take three markers that form a triangle";
+        return mistakes.refuse(
+            "reference.field.align",
+            "the markers lie on a line, so a rotation about it is open",
+            hint,
+        );
+    }
+    Some(Align::Markers(pairs))
+}
+
+/// The existing files in their order.
+fn files(written: &FieldFiles, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<PathBuf>> {
+    match written {
+        FieldFiles::Pattern(_) => {
+            let path = mistakes.document.file(FILES)?;
+            match matching(&path) {
+                Ok(files) => Some(in_order(files)),
+                Err(message) => {
+                    mistakes.report(FILES, message);
+                    None
+                }
+            }
+        }
+        // A list has its own order.
+        FieldFiles::List(list) => (0..list.len()).map(|place| mistakes.file(&format!("{FILES}.{place}"))).collect(),
+    }
+}
+
+/// The files in a folder but for hidden ones, those that match a pattern, or the one of that name.
+fn matching(path: &Path) -> Result<Vec<PathBuf>, String> {
+    let shown = shown_path(path);
+    let is_seen = |path: &PathBuf| {
+        path.is_file() && !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+    };
+    if path.is_file() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let (files, none): (Vec<PathBuf>, String) = if path.is_dir() {
+        let entries = fs::read_dir(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
+        (entries.filter_map(Result::ok).map(|entry| entry.path()).collect(), format!("{shown} has no files"))
+    } else {
+        let pattern = tidy_path(path).display().to_string();
+        let found = glob::glob(&pattern).map_err(|error| format!("`{shown}` is no pattern of names: {error}"))?;
+        (found.filter_map(Result::ok).collect(), format!("no file matches {shown}"))
+    };
+    let files: Vec<PathBuf> = files.into_iter().filter(is_seen).collect();
+    if files.is_empty() { Err(none) } else { Ok(files) }
+}
+
+/// A time for every file, s.
+fn times(written: &FieldTimes, files: usize, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<f64>> {
+    let times = match written {
+        FieldTimes::Rate(rate) => {
+            return Some((0..files).map(|number| rate.start.0 + number as f64 / rate.rate.0).collect());
+        }
+        FieldTimes::List(times) => times.iter().map(|time| time.0).collect(),
+        FieldTimes::Table(_) => {
+            let path = mistakes.file(TIMES)?;
+            match read_times(&path) {
+                Ok(times) => times,
+                Err(error) => {
+                    match error.hint() {
+                        Some(hint) => mistakes.report_with(TIMES, error.to_string(), hint),
+                        None => mistakes.report(TIMES, error.to_string()),
+                    }
+                    return None;
+                }
+            }
+        }
+    };
+    if times.len() != files {
+        let word = if files == 1 { "file" } else { "files" };
+        mistakes.report(TIMES, format!("{} times for {files} {word}", times.len()));
+        return None;
+    }
+    if let Some(place) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        mistakes.report(&format!("{TIMES}.{}", place + 1), "the times do not increase");
+        return None;
+    }
+    Some(times)
+}
+
+/// Least samples per second and hertz of the class. ISO 6487 requires 8, SAE J211-1 requires 10; what is refused
+/// satisfies neither.
+const SAMPLES_PER_CLASS_HERTZ: f64 = 8.0;
+
+/// Most samples of one channel: 80 MB.
+const MOST_SAMPLES: f64 = 1e7;
+
+/// Fewest samples of one channel.
+const FEWEST_SAMPLES: f64 = 10.0;
+
+const PATH: &str = "output.sample_rate";
+
+/// Sampling, snapshots, and the class as a number.
+pub fn check_output(
+    scenario: &Scenario,
+    loading: &Loading,
+    specimen: Option<&Specimen>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Output {
+    let written = &scenario.output;
+    let is_filtered = loading.test() == Test::Impact;
+    let filter = is_filtered.then(|| written.filter.unwrap_or(Filter::Cfc1000)).and_then(class);
+    let sample_rate = written.sample_rate.0;
+    if let Some(class) = filter
+        && sample_rate < SAMPLES_PER_CLASS_HERTZ * class
+    {
+        let least = SAMPLES_PER_CLASS_HERTZ * class / 1e3;
+        let message = format!("too few samples for the class CFC{class}");
+        let hint = format!("at least {least} kHz (ISO 6487), better {} kHz (SAE J211-1)", class / 100.0);
+        mistakes.report_with(PATH, message, hint);
+    }
+    if let Some(specimen) = specimen {
+        samples(loading, loading.run_time(&specimen.shape), sample_rate, mistakes);
+    }
+    Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter, motion: None }
+}
+
+/// Refuses too few and too many samples.
+fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut ModelDiagnostics<'_>) {
+    let samples = time * sample_rate;
+    let path = if mistakes.is_written(PATH) { PATH.to_owned() } else { loading.key(loading.pace()) };
+    let hint = format!("the run takes {}", Time(time));
+    if samples > MOST_SAMPLES {
+        let message = format!("{samples:.1e} samples exceed the limit of {MOST_SAMPLES:e}");
+        mistakes.report_with(&path, message, hint);
+    } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
+        let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
+        mistakes.report_with(&path, message, hint);
+    }
+}
+
+fn class(filter: Filter) -> Option<f64> {
+    match filter {
+        Filter::Cfc1000 => Some(1000.0),
+        Filter::Cfc600 => Some(600.0),
+        Filter::Cfc180 => Some(180.0),
+        Filter::Cfc60 => Some(60.0),
+        Filter::None => None,
+    }
+}
+
+/// The script that adds to the summary.
+pub fn check_post(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<PathBuf> {
+    scenario.post.as_ref()?;
+    mistakes.file("post.script")
 }

@@ -1,28 +1,31 @@
-//! The film's outline and its mirror planes.
+//! The film: its outline and mirror planes, and its faces in the order in which the impactor comes into contact with them.
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{ModelDiagnostics, Specimen, Symmetry};
-use crate::mesh::import::{self, DrawingFault};
-use crate::mesh::{Outline, Polygon};
-use crate::scenario;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::{Face, Loading, ModelDiagnostics, Specimen, Symmetry, material};
+use crate::mesh::{Element, MeshErrorKind, Meshing, Outline, Polygon, import};
+use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::diagnostic::shown_path;
+use base::number::significant;
 use base::units::Length;
+use membrane::lane::splat;
+use membrane::material::{Criterion, Curve, Law, LayerBreaks, Material};
 
 /// The specimen in SI values; none where the file of its mesh is missing.
 pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>) -> Option<Specimen> {
     let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius() },
-        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, symmetry(specimen), mistakes)?),
+        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, specimen.symmetry, mistakes)?),
         scenario::Shape::Mesh(file) => {
             let (path, scale) = mistakes.mesh("specimen.shape.mesh", file)?;
             Outline::Mesh { path, scale }
         }
     };
     let cuts = specimen.cuts.iter().map(|cut| cut.iter().map(|point| point.map(|length| length.0)).collect()).collect();
-    let (symmetry, damping) = (symmetry(specimen), specimen.damping.0);
-    Some(Specimen { shape, symmetry, damping, cuts })
+    Some(Specimen { shape, symmetry: specimen.symmetry, damping: specimen.damping.0, cuts })
 }
 
 /// The outline with its holes, from corners or a drawing.
@@ -50,9 +53,9 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Model
                 Ok(polygon) => (path, polygon),
                 Err(fault) => {
                     let message = format!("{}: {fault}", shown_path(&file));
-                    match fault {
-                        DrawingFault::NoUnit { .. } => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
-                        DrawingFault::OtherUnit { .. } => {
+                    match fault.kind {
+                        MeshErrorKind::NoUnit => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
+                        MeshErrorKind::OtherUnit => {
                             mistakes.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
                         }
                         _ => mistakes.report(&path, message),
@@ -65,8 +68,11 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Model
     match polygon.check(symmetry.mirrors()) {
         Ok(()) => Some(polygon),
         Err(fault) => {
-            let of_hole = fault.hole().filter(|_| written.file.is_none());
-            mistakes.report(&of_hole.map_or(path, |hole| key(&format!("holes.{hole}"))), fault.to_string());
+            let path = match fault.kind {
+                MeshErrorKind::Hole(hole) if written.file.is_none() => key(&format!("holes.{hole}")),
+                _ => path,
+            };
+            mistakes.report(&path, fault.to_string());
             None
         }
     }
@@ -81,30 +87,357 @@ fn corners(points: &[[Length; 2]]) -> Vec<[f64; 2]> {
     corners
 }
 
-/// The mirror planes.
-pub fn symmetry(written: &scenario::Specimen) -> Symmetry {
-    match written.symmetry {
-        scenario::Symmetry::None => Symmetry::None,
-        scenario::Symmetry::HalfX => Symmetry::HalfX,
-        scenario::Symmetry::HalfY => Symmetry::HalfY,
-        scenario::Symmetry::Quarter => Symmetry::Quarter,
-    }
-}
-
-impl Symmetry {
-    /// Whether x = 0 and y = 0 are mirror planes.
-    pub fn mirrors(self) -> [bool; 2] {
-        [matches!(self, Symmetry::HalfX | Symmetry::Quarter), matches!(self, Symmetry::HalfY | Symmetry::Quarter)]
-    }
-
-    /// How many copies of the computed part the whole is made of.
-    pub fn copies(self) -> f64 {
-        self.mirrors().iter().map(|mirror| if *mirror { 2.0 } else { 1.0 }).product()
-    }
-}
-
 /// Whether fibres at this angle lie along the axes, so that a mirror plane leaves them as they are.
 pub fn is_along_axes(angle: f64) -> bool {
     let quarters = angle / FRAC_PI_2;
     (quarters - quarters.round()).abs() < 1e-9
+}
+
+/// The faces; none where a material is missing or no material.
+pub fn check_faces(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
+    let own = scenario.specimen.material.as_ref();
+    let shared = own.map(|written| film(written, "specimen.material", mistakes));
+    let mut faces = if scenario.layer.is_empty() {
+        stacked(scenario, shared, mistakes)?
+    } else {
+        let layers = scenario.layer.iter().enumerate();
+        let faces: Vec<_> =
+            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), mistakes)).collect();
+        faces.into_iter().collect::<Option<Vec<Face>>>()?
+    };
+    heights(&faces, scenario, loading, mistakes);
+    if let Some(angle) = loading.md_angle() {
+        faces.iter_mut().for_each(|face| face.md_angle = angle);
+    }
+    rested(&mut faces, scenario, mistakes);
+    mirrored(&faces, scenario, mistakes);
+    prestrained(&faces, scenario, mistakes);
+    taut(&faces, scenario, loading, mistakes);
+    Some(faces)
+}
+
+/// Material and name of a layer.
+#[derive(Clone)]
+struct Film {
+    name: Option<String>,
+    material: Material,
+    /// Whether its break strains are not those of its curves: `break_factor` moves them.
+    break_is_moved: bool,
+    /// Biaxial coupling of a fabric that does not tell its source.
+    unsourced_coupling: Option<f64>,
+    /// Standard deviation of the break strains of layers over their mean.
+    break_scatter: f64,
+    /// The MD and TD curves without multipliers, to which film relaxes on the frame; none where it does not.
+    relaxed: Option<[Curve; 2]>,
+}
+
+impl Film {
+    /// The material of `count` layers.
+    fn of_layers(&self, count: u32) -> Material {
+        let mut material = self.material.clone();
+        material.law = material.law.with_layer_breaks(layer_breaks(self.break_scatter, count));
+        material
+    }
+
+    /// The pre-strain at which the curves have the stress of film that was mounted with `written` and has relaxed: its
+    /// stress-free length has grown by the rest (theory.md, equation 3b).
+    fn prestrain(&self, written: [f64; 2]) -> [f64; 2] {
+        let (Some(relaxed), Law::Fabric(fabric)) = (&self.relaxed, &self.material.law) else { return written };
+        let dynamic = [fabric.md(), fabric.td()];
+        std::array::from_fn(|fibre| match written[fibre] {
+            strain if strain > 0.0 => dynamic[fibre].strain_at(relaxed[fibre].stress(strain)).min(strain),
+            slack => slack,
+        })
+    }
+}
+
+/// Break strains of `layers` over their mean, with the standard deviation `scatter`: the quantiles of a normal
+/// distribution in the middle of as many equal parts (theory.md, equation 17b).
+fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
+    if scatter.is_nan() || scatter <= 0.0 {
+        return LayerBreaks::default();
+    }
+    let normal = Normal::standard();
+    let quantile = |layer: u32| normal.inverse_cdf((f64::from(layer) + 0.5) / f64::from(layers));
+    let factors = (0..layers).map(|layer| 1.0 + scatter * quantile(layer)).collect();
+    // The range of the scatter was checked before; there are no such layers outside it.
+    LayerBreaks::new(factors).unwrap_or_default()
+}
+
+fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Film> {
+    let material = material::check(written, path, mistakes)?;
+    let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
+    let relaxed = relaxed(written, path, mistakes);
+    let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|fibre| fibre.break_factor != 1.0);
+    let break_is_moved = written.fabric.as_ref().is_some_and(moves);
+    let unsourced_coupling =
+        written.fabric.as_ref().filter(|fabric| fabric.biaxial_source.is_none()).map(|fabric| fabric.biaxial);
+    Some(Film { name: written.name.clone(), material, break_is_moved, unsourced_coupling, break_scatter, relaxed })
+}
+
+/// The curves without multipliers where film relaxes to them; those with them were checked before.
+fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[Curve; 2]> {
+    let fabric = written.fabric.as_ref().filter(|fabric| fabric.mounting == MountingCurve::QuasiStatic)?;
+    if fabric.md.rates.is_some() || fabric.td.rates.is_some() {
+        let why = "film with `rates` is mounted at the slowest of them";
+        mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
+        return None;
+    }
+    if fabric.biaxial > 0.0 {
+        let message = "film with `biaxial` cannot be mounted at its quasi-static curves";
+        mistakes.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
+        mistakes.label(&format!("{path}.fabric.biaxial"), "the coupling");
+        return None;
+    }
+    let mut unscaled = written.clone();
+    let fabric = unscaled.fabric.as_mut()?;
+    (fabric.scale, fabric.md.scale, fabric.td.scale) = (Scale::default(), None, None);
+    match material::check(&unscaled, path, mistakes)?.law {
+        Law::Fabric(fabric) => Some([fabric.md().clone(), fabric.td().clone()]),
+        _ => None,
+    }
+}
+
+/// The faces of `[layers]`, which differ in height only.
+fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
+    if film.is_none() {
+        mistakes.missing("specimen.material", "what one layer is made of");
+    }
+    let meshing = meshing(scenario, None, "specimen.mesh.size", mistakes);
+    let (film, meshing) = (film??, meshing?);
+    let fallback = Layers::default();
+    let layers = scenario.layers.as_ref().unwrap_or(&fallback);
+    let face = |height: f64| Face {
+        height,
+        layers: layers.count,
+        film: film.name.clone(),
+        material: film.of_layers(layers.count),
+        break_is_moved: film.break_is_moved,
+        unsourced_coupling: film.unsourced_coupling,
+        md_angle: scenario.specimen.md_angle.0,
+        prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
+        meshing: meshing.clone(),
+        settle: layers.settle,
+    };
+    Some(layers.faces.iter().map(|height| face(height.0)).collect())
+}
+
+/// The face of one `[[layer]]`.
+fn single(
+    scenario: &Scenario,
+    layer: &Layer,
+    place: usize,
+    shared: Option<&Option<Film>>,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Face> {
+    let path = |key: &str| format!("layer.{place}.{key}");
+    let film = match (&layer.material, shared) {
+        (Some(written), _) => film(written, &path("material"), mistakes),
+        (None, Some(shared)) => shared.clone(),
+        (None, None) => {
+            mistakes.missing(&path("material"), "or give `specimen.material` for all layers");
+            None
+        }
+    };
+    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), mistakes);
+    let film = film?;
+    Some(Face {
+        height: layer.height.0,
+        layers: layer.count,
+        film: film.name.clone(),
+        material: film.of_layers(layer.count),
+        break_is_moved: film.break_is_moved,
+        unsourced_coupling: film.unsourced_coupling,
+        md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
+        prestrain: film.prestrain([layer.prestrain.md, layer.prestrain.td]),
+        meshing: meshing?,
+        settle: layer.settle,
+    })
+}
+
+/// The meshing of a face: its own keys, then those of the specimen.
+fn meshing(
+    scenario: &Scenario,
+    layer: Option<&Layer>,
+    path: &str,
+    mistakes: &mut ModelDiagnostics<'_>,
+) -> Option<Meshing> {
+    let shared = &scenario.specimen.mesh;
+    let own = layer.map_or(shared, |layer| &layer.mesh);
+    let element = own.element.or(shared.element);
+    let size = own.size.or(shared.size);
+    let imported = matches!(scenario.specimen.shape, scenario::Shape::Mesh(_));
+    let size = match (size, imported) {
+        (Some(size), false) => size.0,
+        (None, true) => 0.0,
+        (Some(_), true) => {
+            let path = if mistakes.is_written(path) { path } else { "specimen.mesh.size" };
+            // A key of the base scenario cannot be deleted here, only unset.
+            let inherited = mistakes.is_inherited(path);
+            let remedy = if inherited { "; `unset = [\"specimen.mesh.size\"]` leaves it out" } else { "" };
+            mistakes.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
+            return None;
+        }
+        (None, false) => {
+            mistakes.missing(path, "the edge length of an element, like \"10 mm\"");
+            return None;
+        }
+    };
+    Some(Meshing { element: element.unwrap_or(Element::Quad4), size, grading: None })
+}
+
+/// Key path of the height of a face.
+pub(super) fn height_path(scenario: &Scenario, place: usize) -> String {
+    if scenario.layer.is_empty() { format!("layers.faces.{place}") } else { format!("layer.{place}.height") }
+}
+
+/// Key path of the table of a face.
+fn face_path(scenario: &Scenario, place: usize) -> String {
+    if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
+}
+
+fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    if let Some(message) = loading.refuses_faces().filter(|_| faces.len() > 1) {
+        mistakes.report(&height_path(scenario, 1), message);
+    }
+    for (place, pair) in faces.windows(2).enumerate() {
+        let path = height_path(scenario, place + 1);
+        if pair[1].height == pair[0].height {
+            mistakes.report(&path, "two faces have the same height");
+            mistakes.label(&height_path(scenario, place), "the other face");
+        } else if pair[1].height > pair[0].height {
+            mistakes.report_with(
+                &path,
+                "the faces are not ordered from the highest to the lowest",
+                "the impactor comes from above, so the first face is the highest",
+            );
+            mistakes.label(&height_path(scenario, place), "the face before it");
+        }
+    }
+}
+
+/// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
+fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+    if !loading.is_by_gas() {
+        return;
+    }
+    for (place, face) in faces.iter().enumerate() {
+        for (key, prestrain) in ["md", "td"].into_iter().zip(face.prestrain) {
+            if prestrain < 0.0 {
+                let path = format!("{}.prestrain.{key}", face_path(scenario, place));
+                let hint = "nothing resists the pressure until the film is taut; use a pre-strain of at least 0";
+                mistakes.report_with(&path, "pressure on film that is wrinkled at the start", hint);
+            }
+        }
+    }
+}
+
+/// Lets viscous film rest between mounting and loading.
+fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+    let Some(rest) = scenario.specimen.rest else { return };
+    if faces.iter().all(|face| face.material.viscosity.is_none()) {
+        mistakes.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
+    }
+    for face in faces {
+        face.material.viscosity = face.material.viscosity.take().map(|viscosity| viscosity.rested(rest.0));
+    }
+}
+
+/// Pre-strain must not break the film.
+fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+    for (place, face) in faces.iter().enumerate() {
+        let path = face_path(scenario, place);
+        let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+        let stress =
+            face.material.law.virgin_stress([[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]]);
+        if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress[0].is_finite()) {
+            let message = "pre-strain stretches the film beyond the limit of its law";
+            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
+            continue;
+        }
+        if let Some(message) = torn(face) {
+            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
+            continue;
+        }
+        // A limit that is no limit has its own mistake.
+        if face.material.rupture.as_ref().is_some_and(|rupture| rupture.limit <= 0.0) {
+            continue;
+        }
+        let ends = face.material.break_strains();
+        let fibres = [("md", "MD"), ("td", "TD")].into_iter().zip(ends);
+        for (((key, name), end), prestrain) in fibres.zip(face.prestrain) {
+            if prestrain < end {
+                continue;
+            }
+            let end = significant(end, 4);
+            let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
+            let path = format!("{path}.prestrain.{key}");
+            match written_material(scenario, place).and_then(|written| scaled_break(written, key)) {
+                Some(hint) => mistakes.report_with(&path, message, hint),
+                None => mistakes.report(&path, message),
+            }
+        }
+    }
+}
+
+/// Why pre-strain tears film whose rupture criterion is a stress or an energy, if it surely does: every element would fail
+/// in the first step. Viscous film is left out, since its stress depends on how long it rested.
+fn torn(face: &Face) -> Option<String> {
+    let rupture = face.material.rupture.filter(|_| face.material.viscosity.is_none())?;
+    let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
+    let gradient = [[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]];
+    let (value, what, unit) = match rupture.criterion {
+        Criterion::Stress => {
+            let stress = face.material.law.virgin_stress(gradient);
+            (stress[0][0][0].max(stress[1][1][0]), "stress", "Pa")
+        }
+        Criterion::Energy => (face.material.law.virgin_energy(gradient), "energy", "J/m3"),
+        Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,
+    };
+    let limit = rupture.limit;
+    let shown = |value| significant(value, 4);
+    (face.prestrain != [0.0; 2] && value >= limit).then(|| {
+        format!("pre-strain tears the film: its {what} is {} {unit}, the limit {} {unit}", shown(value), shown(limit))
+    })
+}
+
+/// The material of a face as written.
+fn written_material(scenario: &Scenario, place: usize) -> Option<&scenario::Material> {
+    let own = scenario.layer.get(place).and_then(|layer| layer.material.as_ref());
+    own.or(scenario.specimen.material.as_ref())
+}
+
+/// The break strain of the fibre set `key` as written, with the multipliers that change it; none where there are none.
+fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
+    let fabric = written.fabric.as_ref()?;
+    let fibre = if key == "md" { &fabric.md } else { &fabric.td };
+    let end = fibre.break_point.or_else(|| fibre.curve.as_ref()?.last().copied())?.0;
+    let Scale { k1, ke, .. } = fibre.scale.unwrap_or(fabric.scale);
+    let shown = |value| significant(value, 4);
+    let is_changed = fabric.scale_break && (k1, ke) != (1.0, 1.0);
+    is_changed.then(|| {
+        format!("the multipliers k1 {} and ke {} change its break strain {}", shown(k1), shown(ke), shown(end))
+    })
+}
+
+/// With mirror planes, fibres lie along the axes.
+fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+    if scenario.specimen.symmetry == Symmetry::None {
+        return;
+    }
+    let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
+    let Some(place) = oblique else { return };
+    let own = format!("layer.{place}.md_angle");
+    let path = if mistakes.is_written(&own) {
+        own
+    } else if mistakes.is_written("specimen.md_angle") {
+        "specimen.md_angle".to_owned()
+    } else {
+        "loading.stretch.direction".to_owned()
+    };
+    mistakes.report_with(
+        &path,
+        "oblique fibres have no mirror planes",
+        "set `specimen.symmetry` to \"none\", or rotate MD to a multiple of 90 deg",
+    );
 }

@@ -1,13 +1,15 @@
-//! `[impactor]` and `[[impactor]]`: the rigid bodies that load the film.
+//! `[impactor]`, `[[impactor]]` and `[loading.…]`: the rigid bodies that load the film, and exactly one loading.
 
 use std::path::PathBuf;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::round::Round;
 use super::schema;
-use base::units::{Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Time, Velocity};
+use super::specimen::Round;
+use base::units::{
+    Acceleration, Angle, AngularVelocity, Force, ForcePerSpeed, Inertia, Length, Mass, Pressure, Time, Velocity, Volume,
+};
 
 /// Most impactors of a scene.
 const MOST: usize = 16;
@@ -48,7 +50,7 @@ pub struct Impactor {
     pub restitution: f64,
     /// When it is released with its velocity; until then it stands still at its position and touches nothing. One that is
     /// released later than at the start needs a height in `position`.
-    #[serde(default = "start")]
+    #[serde(default)]
     #[schemars(range(min = 0), extend("x-likely" = [1e-6, 5.0]))]
     pub at: Time,
     /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
@@ -64,10 +66,6 @@ pub struct Impactor {
     /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
     /// its axis.
     pub spin: Option<[AngularVelocity; 3]>,
-}
-
-fn start() -> Time {
-    Time(0.0)
 }
 
 /// One table, or a list of them. The validator has reported mistakes before serde tries the two forms.
@@ -130,14 +128,10 @@ pub struct Part {
     /// Its shape.
     pub shape: BodyShape,
     /// Position of the middle of its height on its axis, or of the origin of its file's coordinates, in the body: x, y, z.
-    #[serde(default = "origin")]
+    #[serde(default)]
     pub at: [Length; 3],
     /// Its rotation about that point.
     pub orientation: Option<Orientation>,
-}
-
-fn origin() -> [Length; 3] {
-    [Length(0.0); 3]
 }
 
 /// The schema of one shape, with that of a compound as one more choice.
@@ -183,7 +177,7 @@ pub enum BodyShape {
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
         /// Radius of its edges; sharp where it is left out.
-        #[serde(default = "sharp")]
+        #[serde(default)]
         #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
         edge: Length,
     },
@@ -196,7 +190,7 @@ pub enum BodyShape {
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
         length: Length,
         /// Radius of tip and edge, inside the flanks; sharp where it is left out.
-        #[serde(default = "sharp")]
+        #[serde(default)]
         #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
         edge: Length,
     },
@@ -206,16 +200,12 @@ pub enum BodyShape {
         #[schemars(transform = schema::positive_items)]
         size: [Length; 3],
         /// Radius of its edges; sharp where it is left out.
-        #[serde(default = "sharp")]
+        #[serde(default)]
         #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
         edge: Length,
     },
     /// A closed surface from an STL or OBJ file.
     Mesh(MeshFile),
-}
-
-fn sharp() -> Length {
-    Length(0.0)
 }
 
 /// A file with a mesh: its path, with coordinates in m, or with their unit. The validator has reported mistakes
@@ -279,11 +269,11 @@ impl MeshUnit {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct GuideFriction {
     /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
-    #[serde(default = "no_force")]
+    #[serde(default)]
     #[schemars(range(min = 0), extend("x-likely" = [1e-3, 1e3]))]
     pub constant: Force,
     /// Part that is proportional to the speed.
-    #[serde(default = "no_force_per_speed")]
+    #[serde(default)]
     #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
     pub per_speed: ForcePerSpeed,
     /// Part that depends on the speed in any other way: speed and force of each point, the speeds ascending; straight
@@ -295,14 +285,6 @@ pub struct GuideFriction {
 /// Force of the guide at one speed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionPoint(#[schemars(range(min = 0))] pub Velocity, #[schemars(range(min = 0))] pub Force);
-
-fn no_force() -> Force {
-    Force(0.0)
-}
-
-fn no_force_per_speed() -> ForcePerSpeed {
-    ForcePerSpeed(0.0)
-}
 
 /// Degrees of freedom of the impactor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -328,4 +310,133 @@ pub struct Hinge {
     pub axis: [f64; 3],
     /// A point of the axis: x, y, z.
     pub at: [Length; 3],
+}
+
+/// The loading of the specimen.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Loading {
+    /// An impactor falls, flies or swings onto the film, or film falls onto it.
+    Impact(Impact),
+    /// Two jaws, the edges x- and x+, part along x.
+    Stretch(Stretch),
+    /// The impactor moves slowly down into the film at a prescribed speed.
+    Indent(Indent),
+    /// Pressure on the lower side of the film, held all around, inflates it; of several faces it acts on the lowest, which
+    /// presses on those above it.
+    Pressure(Inflation),
+    /// Gas let in under one face of film, held all around, inflates it, also beyond the largest pressure that it carries.
+    Volume(Filling),
+}
+
+/// An impact.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "not" = { "required": ["velocity", "drop_height"] }
+))]
+pub struct Impact {
+    /// Speed at the start, at first contact where the impactor starts there, downward positive; on a guide along a line,
+    /// down the line. `impactor.velocity` is one in any direction.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0]))]
+    #[schemars(title = "Impact speed")]
+    pub velocity: Option<Velocity>,
+    /// Drop height of an ideal free fall to first contact, in place of `velocity`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 100.0]))]
+    #[schemars(title = "Drop height")]
+    pub drop_height: Option<Length>,
+    /// Acceleration of free fall.
+    #[serde(default = "standard_gravity")]
+    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 300.0]))]
+    pub gravity: Acceleration,
+    /// Simulated time from the start: from first contact, unless the impactor starts above the film.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 5.0]))]
+    pub duration: Time,
+}
+
+fn standard_gravity() -> Acceleration {
+    Acceleration(9.81)
+}
+
+/// A tensile test of a coupon or of a single element.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Stretch {
+    /// Direction of loading in the film: along MD, along TD, or an angle from MD.
+    pub direction: Direction,
+    /// Speed at which the jaws part, both together.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub velocity: Velocity,
+    /// Engineering strain at which the test ends.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 100))]
+    pub until: f64,
+    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
+    /// is left out.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// Direction of loading. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Direction {
+    /// Along MD or TD.
+    Axis(Axis),
+    /// An angle from MD.
+    Angle(Angle),
+}
+
+/// A direction of the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Axis {
+    /// The machine direction.
+    #[serde(rename = "MD")]
+    Machine,
+    /// The transverse direction.
+    #[serde(rename = "TD")]
+    Transverse,
+}
+
+/// A slow indentation: the film is in equilibrium throughout.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Indent {
+    /// Travel of the impactor from first contact, downward, at which the test ends.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-5, 2.0]))]
+    pub depth: Length,
+    /// Speed of the impactor.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub velocity: Velocity,
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 50 periods of the film.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// A slow inflation: the film is in equilibrium throughout.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Inflation {
+    /// Final difference of the pressures below and above the film.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e8]))]
+    pub pressure: Pressure,
+    /// Time in which the pressure rises, smoothly at both ends; it is then constant for half as long.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ramp: Time,
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 50 periods of the film.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
+}
+
+/// A slow inflation by a volume of gas: the film is in equilibrium throughout.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Filling {
+    /// Volume of the gas under the film at the end, at the pressure that it has there; of the whole film, also where its
+    /// symmetry is used.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-9, 100.0]))]
+    pub volume: Volume,
+    /// Time in which the gas is let in, smoothly at both ends; its volume is then constant for half as long.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ramp: Time,
+    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+    /// loading lasts 100 periods of the film.
+    #[schemars(range(min = 1))]
+    pub mass_scaling: Option<f64>,
 }

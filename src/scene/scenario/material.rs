@@ -1,17 +1,16 @@
-//! A material: the table of a material file, or of `specimen.material` itself.
+//! `[specimen.material]`: the laws of one layer of film, its relaxation and its rupture.
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::curve_file::Point;
-use super::hyperelastic::Hyperelastic;
-use super::plastic::Plastic;
-use super::rupture::Rupture;
 use super::schema;
-use super::viscous::{PronyOf, PronyTerm, Shift};
-use base::units::{Density, HeatCapacity, Length, Pressure, Rate, SharePerTemperature, Temperature};
+use base::units::{
+    Density, EnergyPerArea, HeatCapacity, Length, MolarEnergy, Pressure, Rate, SharePerTemperature, Temperature,
+    TemperatureDifference, Time,
+};
 
 /// Material of one layer of film.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -61,6 +60,19 @@ pub struct Material {
     /// When the film tears, and the energy that a tear takes; left out, fibres of a fabric break at the last strain of their
     /// curves, and other film does not break.
     pub rupture: Option<Rupture>,
+}
+
+impl Material {
+    /// Whether it is a fabric with curves by strain rate.
+    pub fn is_fabric_by_rate(&self) -> bool {
+        self.fabric.as_ref().is_some_and(|fabric| fabric.md.rates.is_some() || fabric.td.rates.is_some())
+    }
+
+    /// Whether it absorbs energy.
+    pub fn absorbs(&self) -> bool {
+        let absorption = self.fabric.as_ref().map_or(0.0, |fabric| fabric.absorption);
+        self.plastic.is_some() || !self.prony.is_empty() || absorption > 0.0
+    }
 }
 
 /// Two fibre sets at 90° and a shear curve, per layer.
@@ -251,4 +263,300 @@ pub struct Thermal {
     /// polyethylene near room temperature.
     #[schemars(extend("minimum" = 0, "maximum" = 0.2, "x-likely" = [0.0, 0.05]))]
     pub softening: SharePerTemperature,
+}
+
+/// Film that yields and keeps a set: elastoplastic in plane stress, on logarithmic strain.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend("x-future" = { "wrinkling": "a plastic film carries compression; film of the other laws can wrinkle" }))]
+pub struct Plastic {
+    /// Young's modulus.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e5, 1e12]))]
+    pub young: Pressure,
+    /// Poisson's ratio of elastic strain.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5, "x-likely" = [-1.0, 0.5]))]
+    pub poisson: f64,
+    /// Flow stress over the equivalent plastic strain, in uniaxial tension along MD.
+    pub hardening: FlowStress,
+    /// Hill's orthotropic yield function of 1948, with MD and TD as its axes; left out: that of von Mises.
+    pub hill: Option<HillRatios>,
+    /// Lowest and highest strain rate at which the material was measured; left out: those of `hardening.rates`.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
+}
+
+/// Flow stress (true stress) over the equivalent plastic strain (logarithmic): a table, Voce's law or tables by rate.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["curve"] }, { "required": ["voce"] }, { "required": ["rates"] }]
+))]
+pub struct FlowStress {
+    /// A CSV file with the columns `strain` (equivalent plastic strain) and `stress` (Pa, or `stress_MPa`), or the points
+    /// themselves, from zero plastic strain on; constant beyond the last.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Option<Vec<Point>>,
+    /// Voce's law.
+    pub voce: Option<Voce>,
+    /// Curves by the rate of plastic strain, at least two, the slowest first: interpolated in the logarithm of the rate,
+    /// constant below the lowest and above the highest.
+    #[schemars(length(min = 2))]
+    pub rates: Option<Vec<FlowCurve>>,
+}
+
+/// Voce's law: saturation − (saturation − yield) exp(−rate p).
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Voce {
+    /// Flow stress without plastic strain.
+    #[serde(rename = "yield")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e4, 1e10]))]
+    pub initial: Pressure,
+    /// Flow stress that is approached, at least `yield`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e4, 1e10]))]
+    pub saturation: Pressure,
+    /// How fast it is approached, per equivalent plastic strain.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.01, 1e4]))]
+    pub rate: f64,
+}
+
+/// The flow stress at one rate.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FlowCurve {
+    /// Rate of plastic strain.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate: Rate,
+    /// A CSV file with the columns `strain` (equivalent plastic strain) and `stress` (Pa, or `stress_MPa`), or the points
+    /// themselves, from zero plastic strain on; constant beyond the last.
+    #[schemars(schema_with = "schema::path_or_list::<Point>")]
+    pub curve: Vec<Point>,
+}
+
+/// Hill's yield function, by plastic strain ratios or by ratios of yield stress.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["r0", "r45", "r90"] }, { "required": ["r11", "r22", "r33", "r12"] }]
+))]
+pub struct HillRatios {
+    /// Plastic strain ratio, width over thickness, in tension along MD.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.05, 20.0]))]
+    pub r0: Option<f64>,
+    /// The same at 45° between MD and TD.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.05, 20.0]))]
+    pub r45: Option<f64>,
+    /// The same along TD.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.05, 20.0]))]
+    pub r90: Option<f64>,
+    /// Yield stress along MD over that of `hardening`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
+    pub r11: Option<f64>,
+    /// Yield stress along TD over that of `hardening`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
+    pub r22: Option<f64>,
+    /// Yield stress across the film, of its normal direction, over that of `hardening`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
+    pub r33: Option<f64>,
+    /// Yield stress in shear along MD and TD over that of `hardening` divided by √3.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 10.0]))]
+    pub r12: Option<f64>,
+}
+
+/// An energy of rubber-like film and its coefficients. Each law has its own keys.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Hyperelastic {
+    /// The energy.
+    pub law: Energy,
+    /// Shear modulus of `neo-hookean` and `gent`; the moduli of the terms of `ogden`.
+    #[serde(default)]
+    #[schemars(schema_with = "moduli_schema")]
+    pub mu: Option<Moduli>,
+    /// Exponents of the terms of `ogden`, as many as `mu`, none of them zero.
+    #[schemars(length(min = 1, max = 6), extend("x-likely" = [-30.0, 30.0]))]
+    pub alpha: Option<Vec<f64>>,
+    /// Limit of I₁ − 3, at which the chains of `gent` are straight.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [0.1, 1e4]))]
+    pub jm: Option<f64>,
+    /// Coefficient of I₁ − 3 of `mooney-rivlin` and `yeoh`.
+    #[schemars(extend("x-likely" = [1e2, 1e9]))]
+    pub c10: Option<Pressure>,
+    /// Coefficient of I₂ − 3 of `mooney-rivlin`.
+    #[schemars(extend("x-likely" = [-1e9, 1e9]))]
+    pub c01: Option<Pressure>,
+    /// Coefficient of (I₁ − 3)² of `yeoh`.
+    #[schemars(extend("x-likely" = [-1e9, 1e9]))]
+    pub c20: Option<Pressure>,
+    /// Coefficient of (I₁ − 3)³ of `yeoh`.
+    #[schemars(extend("x-likely" = [-1e9, 1e9]))]
+    pub c30: Option<Pressure>,
+    /// Young's modulus at small strain of `compressible-neo-hookean`.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e3, 1e12]))]
+    pub young: Option<Pressure>,
+    /// Poisson's ratio at small strain of `compressible-neo-hookean`.
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 0.5))]
+    pub poisson: Option<f64>,
+    /// Whether the film wrinkles under compression, so that it carries tension only (tension field).
+    #[serde(default)]
+    pub wrinkling: bool,
+    /// Lowest and highest strain rate at which the coefficients were measured.
+    #[schemars(transform = schema::positive_items)]
+    pub measured_rates: Option<[Rate; 2]>,
+}
+
+/// Energies of rubber-like film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Energy {
+    /// μ/2 (I₁ − 3), incompressible: `mu`.
+    NeoHookean,
+    /// μ/2 (I₁ − 3) − μ ln J + λ/2 ln² J: `young`, `poisson`.
+    CompressibleNeoHookean,
+    /// c₁₀ (I₁ − 3) + c₀₁ (I₂ − 3), incompressible: `c10`, `c01`.
+    MooneyRivlin,
+    /// Σ c_i0 (I₁ − 3)^i, incompressible: `c10`, `c20`, `c30`.
+    Yeoh,
+    /// −μ J_m/2 ln(1 − (I₁ − 3)/J_m), incompressible: `mu`, `jm`.
+    Gent,
+    /// Σ μ_k/α_k (λ₁^α_k + λ₂^α_k + λ₃^α_k − 3), incompressible: `mu`, `alpha`.
+    Ogden,
+}
+
+/// One modulus, or one a term. The validator has reported mistakes before serde tries the two forms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Moduli {
+    /// A shear modulus.
+    One(Pressure),
+    /// One a term.
+    Terms(Vec<Pressure>),
+}
+
+fn moduli_schema(generator: &mut SchemaGenerator) -> Schema {
+    let mut likely = |range: [f64; 2]| {
+        let mut modulus = generator.subschema_for::<Pressure>();
+        modulus.insert("x-likely".into(), serde_json::json!(range));
+        modulus
+    };
+    // Moduli of terms may be small beside others, or negative.
+    let (one, term) = (likely([1e3, 1e9]), likely([-1e9, 1e9]));
+    json_schema!({ "anyOf": [one, { "type": "array", "items": term, "minItems": 1, "maxItems": 6 }] })
+}
+
+/// One term of a Prony series on the material's law.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct PronyTerm {
+    /// Share of the instantaneous stiffness that relaxes with `time`; the shares of all terms sum to less than 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub share: f64,
+    /// Relaxation time, at the reference temperature where there is a `shift`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub time: Time,
+}
+
+/// Which film the law as written describes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PronyOf {
+    /// Film strained at once: the long-term stiffness is (1 − Σ share) of it.
+    #[default]
+    Instantaneous,
+    /// Film that has relaxed, e.g. in a slow tensile test: the instantaneous stiffness is 1/(1 − Σ share) of it.
+    LongTerm,
+}
+
+/// Shift of the relaxation times from a reference temperature to that of the film.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Shift {
+    /// Williams, Landel and Ferry: log₁₀ a = −c1 (T − reference)/(c2 + T − reference), above the glass transition.
+    Wlf(Wlf),
+    /// Arrhenius: ln a = energy/R (1/T − 1/reference).
+    Arrhenius(Arrhenius),
+}
+
+/// Constants of Williams, Landel and Ferry.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Wlf {
+    /// Constant c₁.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 100.0]))]
+    pub c1: f64,
+    /// Constant c₂.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [5.0, 500.0]))]
+    pub c2: TemperatureDifference,
+    /// Temperature of the relaxation times as written.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [150.0, 600.0]))]
+    pub reference: Temperature,
+}
+
+/// Constants of Arrhenius.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Arrhenius {
+    /// Activation energy.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e3, 1e6]))]
+    pub energy: MolarEnergy,
+    /// Temperature of the relaxation times as written.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [150.0, 600.0]))]
+    pub reference: Temperature,
+}
+
+/// When an element of film starts to tear, and the energy that its tear takes. In a fabric it takes the place of the break
+/// at the last strain of the curves, whose last slope then continues.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Rupture {
+    /// What of an element is compared with the limit.
+    pub criterion: RuptureCriterion,
+    /// The value at which an element starts to tear: of `strain` a number, of `stress` a stress, of `energy` an energy per
+    /// volume. A fabric with the criterion `strain` may leave it out: each fibre set then has the last strain of its curve.
+    pub limit: Option<Level>,
+    /// Fracture energy: energy that a tear takes for its length and the thickness of the stress-free film. Left out, an
+    /// element fails at once.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e6]))]
+    pub energy: Option<EnergyPerArea>,
+}
+
+/// What of an element is compared with the limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RuptureCriterion {
+    /// Largest principal engineering strain; of a fabric the larger strain of its fibre sets.
+    Strain,
+    /// Largest principal engineering stress, of force over stress-free cross-section.
+    Stress,
+    /// Energy stored and absorbed for the volume of stress-free film.
+    Energy,
+}
+
+/// A strain, or a stress or an energy per volume with its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Level {
+    /// A bare number.
+    Number(f64),
+    /// Pa, or J/m³, which is the same.
+    Quantity(Pressure),
+}
+
+impl Level {
+    /// In SI.
+    pub fn value(self) -> f64 {
+        match self {
+            Level::Number(value) | Level::Quantity(Pressure(value)) => value,
+        }
+    }
+}
+
+impl JsonSchema for Level {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Level".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut quantity = Pressure::json_schema(generator);
+        quantity.insert("exclusiveMinimum".into(), 0.into());
+        json_schema!({
+            "anyOf": [quantity, { "type": "number", "exclusiveMinimum": 0 }],
+            "examples": [1.2, "30 MPa", "15 MJ/m3"],
+        })
+    }
 }

@@ -2,71 +2,37 @@
 //! one sentence. The schema for editors, `droptower explain` and the validator all follow
 //! from these structs. Relations between keys are checked by the model.
 
-mod air;
-mod assignment;
-mod contact;
-mod field;
-mod file_kind;
 mod curve_file;
 mod document;
-mod expectations;
-mod frame;
 pub mod grammar;
-mod hyperelastic;
 mod impactor;
-mod layers;
-mod loading;
 mod material;
-mod merge;
 mod output;
-mod plastic;
-mod plausible;
-mod reader;
-mod reference;
 mod resolved;
-mod round;
-mod rupture;
 mod schema;
 mod specimen;
 mod tree;
 mod validate;
 mod variation;
-mod viscous;
 
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use air::{Air, Compression};
-pub use assignment::Assignment;
-pub use contact::Contact;
+pub use crate::mesh::{Element, Side};
 pub use curve_file::Point;
 pub use document::Document;
-pub use expectations::{Amount, Expectations, FigureBounds, FindingBounds, NumberBounds, SignalBounds};
-pub use field::{Align, FieldFiles, FieldRate, FieldReference, FieldTimes, Marker};
-pub use file_kind::FileKind;
-pub use frame::{Bars, Clamp, EdgeChoice, Frame, Hold, Side, Springs};
 pub use grammar::Rule;
-pub use hyperelastic::{Energy, Hyperelastic, Moduli};
-pub use impactor::{
-    BodyShape, Compound, FrictionPoint, Guide, Hinge, Impactor, ImpactorShape, MeshFile, MeshTable, MeshUnit,
-    Orientation, Part,
-};
-pub use layers::{Layer, Layers, Prestrain};
-pub use loading::*;
-pub use material::{Elastic, Fabric, Fibre, Material, MountingCurve, RateCurve, Scale, Shear, Thermal};
-pub use output::{Filter, Output, Post, Solver};
-pub use plastic::{FlowCurve, FlowStress, HillRatios, Plastic, Voce};
-pub use plausible::Implausible;
-pub use reference::{Phase, Reference, Window};
+pub use impactor::*;
+pub use material::*;
+pub use output::*;
 pub use resolved::{Assumption, assumptions, leaves};
-pub use round::Round;
-pub use rupture::{Level, Rupture, RuptureCriterion};
-pub use specimen::{Around, AroundChoice, Element, Meshing, Polygon, Shape, Specimen, Symmetry};
-pub use tree::{Node, Table, Value, parse as parse_tree};
+pub use schema::FileKind;
+pub use specimen::*;
+pub use tree::{Assignment, Node, Table, Value, parse as parse_tree};
+pub use validate::Implausible;
 pub use variation::{Correlation, Method, Variation, VariedKey};
-pub use viscous::{Arrhenius, PronyOf, PronyTerm, Shift, Wlf};
 
 /// A scenario as written: the film, its loading, and what is recorded.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -114,4 +80,11 @@ pub struct Scenario {
     pub post: Option<Post>,
     /// What varies from run to run of `droptower sweep`; other commands leave it out.
     pub variation: Option<Variation>,
+}
+
+impl Scenario {
+    /// Number of faces of film.
+    pub fn faces(&self) -> usize {
+        self.layers.as_ref().map_or(1, |layers| layers.faces.len()).max(self.layer.len())
+    }
 }

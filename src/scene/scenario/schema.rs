@@ -1,8 +1,10 @@
-//! The JSON Schema of the language, generated from its structs.
+//! The JSON Schema of the language, generated from its structs, for each kind of file that users write.
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value as Json, json};
+
+use super::{Expectations, Material, Scenario};
 
 /// The schema with every table inlined, from which the grammar is compiled.
 pub(super) fn whole<T: JsonSchema>() -> Json {
@@ -14,7 +16,7 @@ pub(super) fn whole<T: JsonSchema>() -> Json {
 
 /// The schema of a file for editors, under a title. Files extend one another, so no single file must be complete: only
 /// `droptower check` can say that a key is missing.
-pub(super) fn published<T: JsonSchema>(title: &str) -> Json {
+fn published<T: JsonSchema>(title: &str) -> Json {
     let mut schema = open(whole::<T>());
     if let Json::Object(top) = &mut schema {
         top.insert("title".into(), json!(title));
@@ -112,4 +114,45 @@ fn open(schema: Json) -> Json {
 /// Whether the branches of a `oneOf` only name required keys.
 fn asks_for_keys(branches: &Json) -> bool {
     branches.as_array().is_some_and(|b| b.iter().all(|b| b.get("properties").is_none() && b.get("required").is_some()))
+}
+
+/// A kind of file that users write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A scenario.
+    Scenario,
+    /// A material of one layer of film.
+    Material,
+    /// The expectations of a run: `expect.toml`.
+    Expectations,
+}
+
+impl FileKind {
+    /// Title of its schema.
+    pub fn title(self) -> &'static str {
+        match self {
+            FileKind::Scenario => "droptower scenario",
+            FileKind::Material => "droptower material",
+            FileKind::Expectations => "droptower expectations",
+        }
+    }
+
+    /// Name of the file that holds its schema beside files of this kind.
+    pub fn schema_file(self) -> &'static str {
+        match self {
+            FileKind::Scenario => "droptower.schema.json",
+            FileKind::Material => "droptower-material.schema.json",
+            FileKind::Expectations => "droptower-expect.schema.json",
+        }
+    }
+
+    /// The schema for editors.
+    pub fn schema(self) -> Json {
+        let title = self.title();
+        match self {
+            FileKind::Scenario => published::<Scenario>(title),
+            FileKind::Material => published::<Material>(title),
+            FileKind::Expectations => published::<Expectations>(title),
+        }
+    }
 }

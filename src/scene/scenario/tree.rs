@@ -1,4 +1,5 @@
-//! The tree of a file: keys and values with their places in the source.
+//! The tree of a file: keys and values with their places in the source; the merging of trees, and changes
+//! of one key from `--set` or a script.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -6,7 +7,8 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use base::diagnostic::{Diagnostic, Source, Span};
+use super::grammar::{Rule, TableRule};
+use base::diagnostic::{Diagnostic, Source, Span, listed};
 use base::number;
 
 /// Significant digits of a number that is named: nobody writes more, and those of a sweep are quantiles.
@@ -169,7 +171,7 @@ impl Node {
     pub fn find(&self, path: &str) -> Option<&Node> {
         let mut node = self;
         for step in path.split('.').filter(|step| !step.is_empty()) {
-            node = node.child(step)?;
+            (node, _) = node.step(step)?;
         }
         Some(node)
     }
@@ -187,10 +189,11 @@ impl Node {
         Some(node)
     }
 
-    fn child(&self, step: &str) -> Option<&Node> {
+    /// The value of a key or the item at a place, and where the key or the item stands.
+    pub fn step(&self, step: &str) -> Option<(&Node, &Span)> {
         match &self.value {
-            Value::Table(table) => table.get(step).map(|entry| &entry.node),
-            Value::List(items) => items.get(step.parse::<usize>().ok()?),
+            Value::Table(table) => table.get(step).map(|entry| (&entry.node, &entry.key_span)),
+            Value::List(items) => items.get(step.parse::<usize>().ok()?).map(|item| (item, &item.span)),
             _ => None,
         }
     }
@@ -238,4 +241,233 @@ impl Table {
         let entries = self.entries.iter();
         entries.map(|entry| (entry.key.clone(), entry.node.to_toml())).collect()
     }
+}
+
+/// `over` merged over `base`: tables key by key; anything else replaces. A key that excludes others
+/// (`drop_height` and `velocity`) replaces them too, but `layers` does not replace `[[layer]]`.
+/// A table whose keys are numbers changes the items of a list.
+pub fn merge(base: Node, over: Node, rule: Option<&Rule>) -> Node {
+    // A file is meant as a whole: with keys of the base it would be another material.
+    if over.included {
+        return over;
+    }
+    let (span, included) = (over.span.clone(), base.included);
+    let value = match (base.value, over.value) {
+        (Value::Table(base), Value::Table(over)) => Value::Table(merge_tables(base, over, rule.and_then(Rule::table))),
+        (Value::List(base), Value::Table(over)) if numbers_items_of(&base, &over) => {
+            Value::List(merge_items(base, over, rule))
+        }
+        (_, value) => return Node::new(value, span),
+    };
+    Node { value, span, included }
+}
+
+fn merge_tables(mut base: Table, over: Table, rule: Option<&TableRule>) -> Table {
+    // All before the first is merged: two keys of `over` that exclude each other both stay, which is a mistake.
+    for entry in &over.entries {
+        if let Some(rule) = rule {
+            drop_excluded(&mut base, &entry.key, rule);
+        }
+    }
+    for entry in over.entries {
+        let child = rule.and_then(|r| r.key(&entry.key)).map(|key| &key.rule);
+        merge_entry(&mut base, entry, child);
+    }
+    base
+}
+
+fn merge_entry(base: &mut Table, entry: Entry, rule: Option<&Rule>) {
+    let Some(place) = base.entries.iter().position(|e| e.key == entry.key) else {
+        base.entries.push(entry);
+        return;
+    };
+    let old = base.entries[place].node.clone();
+    base.entries[place] = Entry { node: merge(old, entry.node, rule), ..entry };
+}
+
+/// Removes the groups of keys that `key` excludes, so that a valid base stays valid. Of keys that may both be left out,
+/// a list of tables (`[[layer]]`) has more in it than what would replace it: it stays, and the conflict is a mistake.
+fn drop_excluded(base: &mut Table, key: &str, rule: &TableRule) {
+    let Some(own) = rule.group_of(key) else {
+        return;
+    };
+    let stays = |entry: &Entry| !rule.group_required && matches!(entry.node.value, Value::List(_));
+    base.entries.retain(|entry| rule.group_of(&entry.key).is_none_or(|group| group == own) || stays(entry));
+}
+
+fn numbers_items_of(items: &[Node], over: &Table) -> bool {
+    !over.entries.is_empty()
+        && over.entries.iter().all(|e| e.key.parse::<usize>().is_ok_and(|place| place < items.len()))
+}
+
+fn merge_items(mut items: Vec<Node>, over: Table, rule: Option<&Rule>) -> Vec<Node> {
+    for entry in over.entries {
+        let place = entry.key.parse::<usize>().ok();
+        if let Some((place, item)) = place.and_then(|p| items.get_mut(p).map(|item| (p, item))) {
+            let rule = rule.and_then(|r| r.item(place));
+            *item = merge(item.clone(), entry.node, rule);
+        }
+    }
+    items
+}
+
+/// The name of the key that lists what is left out.
+const KEY: &str = "unset";
+
+/// A key path that is left out, and where that is written.
+#[derive(Clone, Debug)]
+pub struct Unset {
+    pub path: String,
+    pub span: Span,
+}
+
+impl Unset {
+    /// Takes `unset` out of a table that may have it; what is not a list of texts is left to the validator.
+    pub fn take(table: &mut Table, rule: Option<&Rule>) -> Vec<Unset> {
+        if rule.and_then(Rule::table).and_then(|rule| rule.key(KEY)).is_none() {
+            return vec![];
+        }
+        let Some(Value::List(items)) = table.get(KEY).map(|entry| &entry.node.value) else {
+            return vec![];
+        };
+        let unset = |item: &Node| match &item.value {
+            Value::Text(path) => Some(Unset { path: path.trim().to_owned(), span: item.span.clone() }),
+            _ => None,
+        };
+        let Some(found) = items.iter().map(unset).collect::<Option<Vec<Unset>>>() else {
+            return vec![];
+        };
+        table.remove(KEY);
+        found
+    }
+
+    /// Removes the key from what is inherited.
+    pub fn apply(&self, inherited: &mut Node) -> Result<(), Diagnostic> {
+        let (parent, key) = self.path.rsplit_once('.').unwrap_or(("", &self.path));
+        let table = if parent.is_empty() { Some(&mut *inherited) } else { inherited.find_mut(parent) };
+        let removed = match table.map(|node| &mut node.value) {
+            Some(Value::Table(table)) => table.remove(key),
+            Some(Value::List(_)) => {
+                let hint = format!("give the whole list `{parent}` instead");
+                return Err(Diagnostic::new(format!("`{}` is an entry of a list", self.path))
+                    .at(&self.span)
+                    .hint(hint));
+            }
+            _ => None,
+        };
+        removed.map(|_| ()).ok_or_else(|| self.not_inherited(inherited))
+    }
+
+    /// The mistake of a file that inherits nothing.
+    pub fn without_base(&self) -> Diagnostic {
+        let mistake = Diagnostic::new("nothing is inherited that could be left out").at(&self.span);
+        mistake.hint("`unset` leaves out keys of the file that `extends` names")
+    }
+
+    /// The key is not there; the hint lists the keys of the last table of its path that is.
+    fn not_inherited(&self, inherited: &Node) -> Diagnostic {
+        let mistake = Diagnostic::new(format!("`{}` is not inherited", self.path)).at(&self.span);
+        let ends =
+            std::iter::successors(Some(self.path.as_str()), |path| path.rsplit_once('.').map(|(start, _)| start));
+        let deepest = ends.skip(1).chain([""]).find_map(|path| match &inherited.find(path)?.value {
+            Value::Table(table) => Some((path, table)),
+            _ => None,
+        });
+        let Some((path, table)) = deepest else { return mistake };
+        let keys: Vec<String> = table.entries.iter().map(|entry| entry.key.clone()).collect();
+        let place = if path.is_empty() { "the scenario".to_owned() } else { format!("`{path}`") };
+        mistake.hint(format!("{place} has {}", listed(&keys)))
+    }
+}
+
+/// A value for a key path, or a key path that is left out, for [`Document::with`](super::Document::with).
+#[derive(Clone, Debug)]
+pub struct Assignment {
+    change: Change,
+}
+
+/// The effect of an assignment on its key.
+#[derive(Clone, Debug)]
+pub(super) enum Change {
+    /// This tree of one key is merged into the scenario.
+    Set(Node),
+    /// This key is left out.
+    Unset(Unset),
+}
+
+impl Assignment {
+    /// Reads the argument of `--set`, `key.path=value`. The value is TOML or else a bare text, so
+    /// that `frame.hold=none` and `specimen.mesh.size=20mm` need no quotes.
+    pub fn from_argument(argument: &str) -> Result<Assignment, Vec<Diagnostic>> {
+        let source = Source::unfiled("--set", argument.to_owned());
+        if let Ok(tree) = parse(&source)
+            && sets_one_key(&tree, argument)
+        {
+            return Ok(Assignment { change: Change::Set(tree) });
+        }
+        let everything = Span::new(&source, 0..argument.len());
+        let malformed = || {
+            let hint = "write it like layers.count=10";
+            vec![Diagnostic::new("expected key.path=value").at(&everything).hint(hint)]
+        };
+        let (key, value) = argument.split_once('=').ok_or_else(malformed)?;
+        if !key.trim().is_empty() && value.trim().is_empty() {
+            let hint = format!("to leave an inherited key out: --unset {}", key.trim());
+            return Err(vec![Diagnostic::new("expected a value after `=`").at(&everything).hint(hint)]);
+        }
+        let mut tree = parse_as(&format!("{key}=0"), &source).map_err(|_| malformed())?;
+        let text = value.trim();
+        if text.is_empty() || text.contains('\n') || !sets_one_key(&tree, argument) {
+            return Err(malformed());
+        }
+        let start = key.len() + 1 + (value.len() - value.trim_start().len());
+        let span = Span::new(&source, start..start + text.len());
+        replace_leaf(&mut tree, Node::new(Value::Text(text.to_owned()), span));
+        Ok(Assignment { change: Change::Set(tree) })
+    }
+
+    /// A key path that is left out; `origin` names where it is written in diagnostics.
+    pub fn unset(path: &str, origin: &str) -> Assignment {
+        let source = Source::unfiled(origin, path.to_owned());
+        let span = Span::new(&source, 0..path.len());
+        Assignment { change: Change::Unset(Unset { path: path.trim().to_owned(), span }) }
+    }
+
+    /// A value that a script gives for a key path; `origin` names the script in diagnostics.
+    pub fn from_value(path: &str, value: &toml::Value, origin: &str) -> Result<Assignment, Vec<Diagnostic>> {
+        let source = Source::unfiled(origin, format!("{path} = {value}"));
+        let tree = parse(&source)?;
+        Ok(Assignment { change: Change::Set(tree) })
+    }
+
+    /// A value written at `span` for a key path; files that it names are found from the folder of that text.
+    pub fn of_node(path: &str, span: &Span, value: &Node) -> Assignment {
+        let under = |node: Node, key: &str| {
+            let entry = Entry { key: key.to_owned(), key_span: span.clone(), node };
+            Node::new(Value::Table(Table { entries: vec![entry] }), span.clone())
+        };
+        Assignment { change: Change::Set(path.rsplit('.').fold(value.clone(), under)) }
+    }
+
+    pub(super) fn change(&self) -> &Change {
+        &self.change
+    }
+}
+
+/// Whether the text sets one key, and is not e.g. a header or two lines.
+fn sets_one_key(node: &Node, argument: &str) -> bool {
+    let Value::Table(table) = &node.value else {
+        return false;
+    };
+    table.entries.len() == 1 && argument.contains('=') && !argument.trim_start().starts_with('[')
+}
+
+/// Puts `leaf` at the end of a path of single keys.
+fn replace_leaf(node: &mut Node, leaf: Node) {
+    if let Value::Table(table) = &mut node.value
+        && let Some(entry) = table.entries.first_mut()
+    {
+        return replace_leaf(&mut entry.node, leaf);
+    }
+    *node = leaf;
 }

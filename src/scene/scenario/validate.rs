@@ -1,14 +1,14 @@
-//! Checks a tree against the grammar: all mistakes at once, each at its place.
+//! Checks a tree against the grammar: all mistakes at once, each at its place. Values that can be computed with may be
+//! implausible: a film of 12 mm, a modulus of 10 Pa, a drop of 120 s. The likely ranges stand beside the keys (`x-likely`).
 
 use std::sync::Arc;
 
-use super::grammar::{Key, Rule, TableRule};
-use super::plausible;
+use super::grammar::{Key, Range, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use super::variation::{self, VariedKey};
 use base::diagnostic::{Diagnostic, Span, closest};
-use base::removed;
 use base::units::{Angle, Dimension, with_decimal_point};
+use base::{number, removed};
 
 /// Largest magnitude of an angle, rad: 360 deg and its round-off.
 const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
@@ -161,11 +161,7 @@ impl Walk {
         for name in group.iter().filter(|name| table.get(name).is_none()) {
             let message = format!("missing key `{}`", place.name(name));
             let beside = first_of(table, group).map(|entry| format!("`{}` needs it", entry.key));
-            let mistake = Diagnostic::new(message).at(&place.span);
-            self.report(match beside {
-                Some(hint) => mistake.hint(hint),
-                None => mistake,
-            });
+            self.report(Diagnostic::new(message).at(&place.span).hint_if(beside));
         }
     }
 
@@ -224,11 +220,8 @@ impl Walk {
             && let Some(bounds) = range.describe(show)
         {
             let message = format!("out of range: expected {bounds}, found {found}");
-            let mistake = Diagnostic::new(message).at(&node.span);
-            self.report(match plausible::meant(number, rule, node) {
-                Some(meant) => mistake.hint(format!("did you mean \"{meant}\"?")),
-                None => mistake,
-            });
+            let hint = meant(number, rule, node).map(|meant| format!("did you mean \"{meant}\"?"));
+            self.report(Diagnostic::new(message).at(&node.span).hint_if(hint));
         }
     }
 
@@ -308,15 +301,13 @@ fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
         }
         (Value::Text(text), Rule::Either(_)) => {
             let words = rule.words();
-            match closest(text, words.iter().map(|(word, _)| *word)) {
-                Some(word) => mistake.hint(format!("did you mean \"{word}\"?")),
-                None => mistake,
-            }
+            let word = closest(text, words.iter().map(|(word, _)| *word));
+            mistake.hint_if(word.map(|word| format!("did you mean \"{word}\"?")))
         }
-        (value, _) if !matches!(value, Value::Table(_)) => match rule.table().and_then(TableRule::outline) {
-            Some(outline) => mistake.hint(format!("write it like {outline}")),
-            None => mistake,
-        },
+        (value, _) if !matches!(value, Value::Table(_)) => {
+            let outline = rule.table().and_then(TableRule::outline);
+            mistake.hint_if(outline.map(|outline| format!("write it like {outline}")))
+        }
         _ => mistake,
     }
 }
@@ -324,12 +315,9 @@ fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
 fn unknown_word(text: &str, rule: &Rule, place: &Place) -> Diagnostic {
     let words = rule.words();
     let names = words.iter().map(|(word, _)| *word);
-    let mistake = Diagnostic::new(format!("expected {rule}, found \"{text}\""));
     let meant = || closest(text, names).map(|word| format!("did you mean \"{word}\"?"));
-    match removed::value(&place.path, text).or_else(meant) {
-        Some(hint) => mistake.hint(hint),
-        None => mistake,
-    }
+    let hint = removed::value(&place.path, text).or_else(meant);
+    Diagnostic::new(format!("expected {rule}, found \"{text}\"")).hint_if(hint)
 }
 
 fn unknown_key(entry: &Entry, table: &Table, rule: &TableRule, place: &Place) -> Diagnostic {
@@ -379,11 +367,8 @@ fn deeper(rule: &TableRule, name: &str) -> Option<String> {
 }
 
 fn missing_key(key: &Key, place: &Place) -> Diagnostic {
-    let mistake = Diagnostic::new(format!("missing key `{}`", place.name(&key.name))).at(&place.span);
-    match &key.sentence {
-        Some(sentence) => mistake.hint(format!("`{}`: {}", key.name, first_clause(sentence))),
-        None => mistake,
-    }
+    let hint = key.sentence.as_ref().map(|sentence| format!("`{}`: {}", key.name, first_clause(sentence)));
+    Diagnostic::new(format!("missing key `{}`", place.name(&key.name))).at(&place.span).hint_if(hint)
 }
 
 /// The sentence of a key up to its first stop.
@@ -406,4 +391,103 @@ fn list_groups(rule: &TableRule) -> String {
         })
         .collect();
     groups.join(", ")
+}
+
+/// Number above which a fraction was probably meant as a percentage.
+const LEAST_PERCENTAGE: f64 = 2.0;
+
+/// A value outside the likely range of its key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Implausible {
+    /// Path of the key.
+    pub key: String,
+    /// SI.
+    pub value: f64,
+    /// The value as it is written.
+    pub found: String,
+    /// The likely range in words.
+    pub likely: String,
+    /// The number in a unit with which it is likely.
+    pub meant: Option<String>,
+}
+
+/// The implausible values in a tree, in its order.
+pub(super) fn implausible(root: &Node, rule: &Rule) -> Vec<Implausible> {
+    let mut found = Vec::new();
+    walk(root, rule, "", &mut found);
+    found
+}
+
+fn walk(node: &Node, rule: &Rule, path: &str, found: &mut Vec<Implausible>) {
+    let under = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match (rule, &node.value) {
+        (Rule::Table(rule), Value::Table(table)) => {
+            for entry in &table.entries {
+                if let Some(key) = rule.key(&entry.key) {
+                    walk(&entry.node, &key.rule, &under(&entry.key), found);
+                }
+            }
+        }
+        (Rule::List { item, .. }, Value::List(items)) => {
+            // Of a curve the last point: its first ones may be as small as they like.
+            let first = if matches!(**item, Rule::Tuple(_)) { items.len().saturating_sub(1) } else { 0 };
+            for (place, child) in items.iter().enumerate().skip(first) {
+                walk(child, item, &under(&place.to_string()), found);
+            }
+        }
+        (Rule::Tuple(rules), Value::List(items)) => {
+            for (place, (child, rule)) in items.iter().zip(rules).enumerate() {
+                walk(child, rule, &under(&place.to_string()), found);
+            }
+        }
+        (Rule::Either(rules), _) => {
+            if let Some(rule) = rules.iter().find(|rule| rule.takes(&node.value)) {
+                walk(node, rule, path, found);
+            }
+        }
+        (Rule::Quantity(_, range) | Rule::Number { range, .. }, _) => found.extend(single(node, rule, range, path)),
+        _ => {}
+    }
+}
+
+fn single(node: &Node, rule: &Rule, range: &Range, path: &str) -> Option<Implausible> {
+    let value = value_of(node, rule)?;
+    let [low, high] = range.likely.filter(|_| range.contains(value) && !range.is_likely(value))?;
+    let shown = |value: f64| rule.dimension().map_or_else(|| number::plain(value), |dimension| dimension.show(value));
+    Some(Implausible {
+        key: path.to_owned(),
+        value,
+        found: match &node.value {
+            Value::Text(text) => text.clone(),
+            _ => shown(value),
+        },
+        likely: format!("{} to {}", shown(low), shown(high)),
+        meant: meant(value, rule, node),
+    })
+}
+
+/// SI value of a quantity or number.
+fn value_of(node: &Node, rule: &Rule) -> Option<f64> {
+    match (&node.value, rule.dimension()) {
+        (Value::Whole(whole), _) => Some(*whole as f64),
+        (Value::Number(number), _) => Some(*number),
+        (Value::Text(text), Some(dimension)) => dimension.parse(text).ok(),
+        _ => None,
+    }
+}
+
+/// The number as it is written in a unit with which it is likely; none where `value` is, or where there is no such
+/// unit.
+pub(super) fn meant(value: f64, rule: &Rule, node: &Node) -> Option<String> {
+    let likely = rule.range()?.likely?;
+    let number = match &node.value {
+        Value::Text(text) => text.clone(),
+        _ => node.found(),
+    };
+    match rule.dimension() {
+        Some(dimension) => dimension.likelier(&number, value, likely),
+        // What may well be larger than a hundred is no fraction.
+        None => (value > LEAST_PERCENTAGE && likely[1] < 100.0 && (likely[0]..=likely[1]).contains(&(value / 100.0)))
+            .then(|| format!("{number} %")),
+    }
 }

@@ -1,14 +1,11 @@
 //! From a checked model to an engine that is ready to step.
 
 use super::fault::RunError;
-use super::film::Film as FilmTopology;
-use super::frame;
-use super::frame_force::HeldSides;
+use super::frame::{self, HeldSides};
 use super::loading::{self, LoadCase};
-use super::mount::{self, BodyMounting, Mounting};
-use super::pieces::Pieces;
-use super::spring_step::SpringStep;
-use super::springs;
+use super::mount::{self, BodyMounting, Mounting, Pieces};
+use super::outcome::Film as FilmTopology;
+use super::springs::{self, SpringStep};
 use crate::mesh::{self, Mesh, Quality};
 use crate::model::loading::{Inertia, MassScaling};
 use crate::model::{Hold, Model};
@@ -58,15 +55,17 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let first = nodes.position.len();
         let mut section = mount::section(face, mass_scaling);
         // Air that moves with the film is inertia of the film: spread over its thickness it needs no term of its own.
-        section.density += model.air.map_or(0.0, |air| air.added_mass) / section.thickness;
+        section.density += model.air.map_or(0.0, |air| air.added_mass.0) / section.thickness;
         let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
         for (cut, points) in model.specimen.cuts.iter().enumerate() {
             if film.cut(&nodes, points) == 0 {
-                return Err(RunError::CutMisses { cut, face: films.len() + 1 });
+                let message = format!("a cut passes through no element of face {}", films.len() + 1);
+                let hint = "give points on the film, with symmetry on its computed part, further apart than an element";
+                return Err(RunError::at_key(&format!("specimen.cuts.{cut}"), message, hint));
             }
         }
         if let Some(step) = model.solver.smallest_step {
-            added_mass.push(engine::add_mass(&mut film, &mut nodes, step));
+            added_mass.push(engine::add_mass(&mut film, &mut nodes, step.0));
         }
         let mut topology = topology(&mesh, model);
         let pieces = (!model.specimen.cuts.is_empty()).then(|| Pieces::new(&film));
@@ -86,7 +85,10 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
                 let jaws = loading.hold(&mut nodes, &mesh, first, &model.frame.hold);
                 let mirrored: Vec<usize> = mesh.mirrors[0].iter().map(|node| first + *node as usize).collect();
                 if pieces.as_ref().is_some_and(|pieces| pieces.are_jaws_parted(&jaws, &mirrored)) {
-                    return Err(RunError::CutsPart { face: films.len() });
+                    let face = films.len();
+                    let message = format!("the cuts part face {face} in two: nothing is stretched between the jaws");
+                    let hint = "end the cut further from an edge of the film, or from another cut";
+                    return Err(RunError::at_key("specimen.cuts", message, hint));
                 }
                 loads.jaws.extend(jaws);
             }
@@ -94,7 +96,9 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let is_held = model.frame.hold != Hold::None || !loads.jaws.is_empty();
         // Nothing would keep it from falling, also while film settles.
         if is_held && pieces.is_some_and(|pieces| pieces.is_one_free(&nodes, &topology.springs)) {
-            return Err(RunError::CutsFree { face: films.len() });
+            let message = format!("the cuts free a piece of face {}, which nothing holds", films.len());
+            let hint = "leave a part between the ends of a cut; a hole is one of `specimen.shape.polygon.holes`";
+            return Err(RunError::at_key("specimen.cuts", message, hint));
         }
         topologies.push(topology);
     }
@@ -110,7 +114,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     };
     let bodies = impacts.iter().map(body).collect();
     let energy_scale = impacts.iter().map(|impact| loading.energy_scale(&impact.launched())).sum();
-    let springs = model.frame.springs.as_ref().map(|written| Springs::new(springs, written.stiffness, multiplicity));
+    let springs = model.frame.springs.as_ref().map(|written| Springs::new(springs, written.stiffness.0, multiplicity));
     if let Some(springs) = &springs {
         held.tie(springs)?;
     }
@@ -119,7 +123,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let mut mounting =
         Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, spring_step, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
-        let width = clamp.width.unwrap_or(f64::INFINITY);
+        let width = clamp.width.map_or(f64::INFINITY, |width| width.0);
         Clamp::new(clamped, &nodes, width, multiplicity)
     });
     // After the impactors, because bodies are numbered in this order and the frame is told by being the last.

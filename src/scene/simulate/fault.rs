@@ -1,13 +1,35 @@
-//! Why a run has no outcome, or only part of one.
+//! Why a run has no outcome, or only part of one; what it refuses before its first step, found without running it.
 
 use thiserror::Error;
 
 use super::outcome::Outcome;
 use super::warning::ImpactorName;
-use crate::mesh::{self, MeshError, Side};
+use super::{build, mount};
+use crate::mesh::{MeshError, MeshErrorKind, Outline};
 use crate::model::{Impactor, Model};
+use crate::scenario::Document;
+use base::diagnostic::Diagnostic;
 use base::number;
 use membrane::engine::{self, StateMismatch, SurfaceError, UndefinedFibreDirection};
+
+/// Why film or bodies cannot be mounted.
+#[derive(Clone, Debug, Error)]
+#[error("{message}")]
+pub struct Refusal {
+    message: String,
+    /// Remedy in the scenario.
+    hint: String,
+    place: Place,
+}
+
+/// The key that a refusal is about.
+#[derive(Clone, Debug)]
+enum Place {
+    /// Path of a key.
+    Key(String),
+    /// The `position` of the impactor at this place.
+    Position(usize),
+}
 
 /// Why there is no outcome.
 #[derive(Debug, Error)]
@@ -24,126 +46,9 @@ pub enum RunError {
     /// The checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
     StateMismatch(#[from] StateMismatch),
-    /// The impactor starts inside the film.
-    #[error("{name} starts {} mm inside the film", number::significant(1e3 * depth, 3))]
-    Overlap {
-        /// Its place among the impactors.
-        impactor: usize,
-        /// Its name.
-        name: ImpactorName,
-        /// How deep, m.
-        depth: f64,
-    },
-    /// Two impactors start inside each other.
-    #[error(
-        "the impactors \"{}\" and \"{}\" start {} mm inside each other",
-        names[0],
-        names[1],
-        number::significant(1e3 * depth, 3)
-    )]
-    ImpactorsOverlap {
-        /// Their names.
-        names: [String; 2],
-        /// How deep, m.
-        depth: f64,
-    },
-    /// An impactor starts inside the frame's bars.
-    #[error(
-        "{name} starts {} mm inside the bars of the frame",
-        number::significant(1e3 * depth, 3)
-    )]
-    InFrame {
-        /// Its place among the impactors.
-        impactor: usize,
-        /// Its name.
-        name: ImpactorName,
-        /// How deep, m.
-        depth: f64,
-    },
-    /// Several faces are met from below, or from beside.
-    #[error("{name} starts below the first of several faces, which is not supported")]
-    Below {
-        /// Its place among the impactors.
-        impactor: usize,
-        /// Its name.
-        name: ImpactorName,
-    },
-    /// The pre-strain pulls film out of the frame's clamp.
-    #[error(
-        "the pre-strain of face {face} pulls with {} N/m at its edge, and the clamp holds {} N/m",
-        number::significant(*pull, 4),
-        number::significant(*held, 4)
-    )]
-    ClampTooWeak {
-        /// The face, counted from one.
-        face: usize,
-        /// Largest force of the pre-strain over the length of an edge, N/m.
-        pull: f64,
-        /// Largest force of friction in the clamp over the length of the edge, N/m.
-        held: f64,
-        /// Force of the clamp that holds it, N.
-        needed: f64,
-    },
-    /// A spring cannot have its preload within its length.
-    #[error(
-        "the pre-strain of face {face} pulls at a spring of the frame with {} N, which elongates it by {} mm: more than its length",
-        number::significant(*force, 4),
-        number::significant(1e3 * elongation, 4)
-    )]
-    SpringTooShort {
-        /// The face, counted from one.
-        face: usize,
-        /// Its preload, N.
-        force: f64,
-        /// Its elongation, m.
-        elongation: f64,
-    },
-    /// Springs cannot be spread evenly.
-    #[error("{count} springs cannot be spread evenly over {edges} held edges of the computed part")]
-    SpringsUneven {
-        /// Their number on the computed part.
-        count: usize,
-        /// The number of edges.
-        edges: usize,
-    },
-    /// A held side of rectangular film hangs on no spring.
-    #[error("no spring stands on the held side `{}`", side.name())]
-    SideWithoutSpring {
-        /// The side.
-        side: Side,
-    },
-    /// Springs have no edge to stand on: a side of an imported outline may be a corner.
-    #[error("face {face} has no held edge on which springs stand")]
-    NoHeldEdge {
-        /// The face, counted from one.
-        face: usize,
-    },
-    /// A cut passes through the middle of no element.
-    #[error("a cut passes through no element of face {face}")]
-    CutMisses {
-        /// Its place among the cuts.
-        cut: usize,
-        /// The face, counted from one.
-        face: usize,
-    },
-    /// Cuts part film between the jaws.
-    #[error("the cuts part face {face} in two: nothing is stretched between the jaws")]
-    CutsPart {
-        /// The face, counted from one.
-        face: usize,
-    },
-    /// Cuts free a piece of film.
-    #[error("the cuts free a piece of face {face}, which nothing holds")]
-    CutsFree {
-        /// The face, counted from one.
-        face: usize,
-    },
-    /// Faces lie inside each other at the start.
-    #[error("two faces pass through each other before the test")]
-    FacesCross,
-    /// The impactor passes beside the film.
-    #[error("there is no film below the impactor")]
-    Missed,
+    /// Film or bodies cannot be mounted as the scenario has them.
+    #[error(transparent)]
+    Mounting(#[from] Refusal),
     /// The run was cancelled.
     #[error("the run was cancelled")]
     Cancelled,
@@ -153,65 +58,47 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// A refusal of the key at `path`.
+    pub(super) fn at_key(path: &str, message: impl Into<String>, hint: impl Into<String>) -> RunError {
+        Refusal { message: message.into(), hint: hint.into(), place: Place::Key(path.to_owned()) }.into()
+    }
+
+    /// A refusal of the `position` of the impactor at this place.
+    pub(super) fn at_position(impactor: usize, message: impl Into<String>, hint: impl Into<String>) -> RunError {
+        Refusal { message: message.into(), hint: hint.into(), place: Place::Position(impactor) }.into()
+    }
+
     /// Two bodies of `model` that start inside each other, by their places, and how deep, m; the last may be the bars.
     pub(super) fn of_overlap(model: &Model, ([first, second], depth): ([usize; 2], f64)) -> RunError {
-        let name = |place: usize| model.impactors.get(place).map(|impactor| impactor.words().to_owned());
-        match (name(first), name(second)) {
-            (Some(first), Some(second)) => RunError::ImpactorsOverlap { names: [first, second], depth },
+        let (depth, hint) = (number::significant(1e3 * depth, 3), "change a `position`, or give a height");
+        match (model.impactors.get(first), model.impactors.get(second)) {
+            (Some(one), Some(other)) => {
+                let names = format!("\"{}\" and \"{}\"", one.words(), other.words());
+                RunError::at_position(second, format!("the impactors {names} start {depth} mm inside each other"), hint)
+            }
             // The bars are the last body.
-            _ => RunError::InFrame { impactor: first, name: ImpactorName::of_impactor(model, first), depth },
+            _ => {
+                let name = ImpactorName::of_impactor(model, first);
+                RunError::at_position(first, format!("{name} starts {depth} mm inside the bars of the frame"), hint)
+            }
         }
     }
 
     /// Whether the same run may succeed another time: it was cancelled, or the file of a mesh could not be read. What is
     /// wrong with the content of a file stays wrong as long as the file is the same.
     pub fn may_pass(&self) -> bool {
-        matches!(
-            self,
-            RunError::Mesh(MeshError::File { fault: mesh::import::Fault::Read(_), .. }) | RunError::Cancelled
-        )
+        match self {
+            RunError::Mesh(error) => error.kind == MeshErrorKind::Unreadable,
+            _ => matches!(self, RunError::Cancelled),
+        }
     }
 
     /// Remedy in the scenario, if there is one.
     pub fn hint(&self) -> Option<String> {
-        Some(match self {
-            RunError::Overlap { .. } => "change its `position`, or leave out its height".to_owned(),
-            RunError::ImpactorsOverlap { .. } | RunError::InFrame { .. } => {
-                "change a `position`, or give a height".to_owned()
-            }
-            RunError::Below { .. } => {
-                "the faces are stacked below the first: start above it, or mount one face".to_owned()
-            }
-            RunError::ClampTooWeak { needed, .. } => {
-                // Rounded up, so that it holds.
-                format!("a force of {} N holds it", (needed * (1.0 + 1e-9)).ceil())
-            }
-            RunError::SpringTooShort { .. } => {
-                "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`".to_owned()
-            }
-            RunError::SpringsUneven { edges, .. } => format!("use a multiple of {edges} springs on the computed part"),
-            RunError::SideWithoutSpring { .. } => {
-                "use more springs, or name the sides that hang on some in `frame.hold`".to_owned()
-            }
-            RunError::NoHeldEdge { .. } => "name sides that are edges, or hold \"all\"".to_owned(),
-            RunError::FacesCross => {
-                "mount them further apart, or leave contact between them out with `contact.film = false`".to_owned()
-            }
-            RunError::CutMisses { .. } => {
-                "give points on the film, with symmetry on its computed part, further apart than an element".to_owned()
-            }
-            RunError::CutsPart { .. } => "end the cut further from an edge of the film, or from another cut".to_owned(),
-            RunError::CutsFree { .. } => {
-                "leave a part between the ends of a cut; a hole is one of `specimen.shape.polygon.holes`".to_owned()
-            }
-            RunError::Missed => "change `impactor.position`".to_owned(),
-            RunError::Mesh(_)
-            | RunError::Surface(_)
-            | RunError::FibreDirection(_)
-            | RunError::StateMismatch(_)
-            | RunError::Cancelled
-            | RunError::Failure(_) => return None,
-        })
+        match self {
+            RunError::Mounting(refusal) => Some(refusal.hint.clone()),
+            _ => None,
+        }
     }
 }
 
@@ -300,5 +187,58 @@ impl Fault {
             }
             fault => fault.into(),
         }
+    }
+}
+
+/// Checks that the scene of `model`, which `document` was checked to be, can be mounted: as a run does, but for what
+/// depends on the equilibrium of the film before the test.
+///
+/// # Errors
+/// Why not, at its place.
+pub fn check(document: &Document, model: &Model) -> Result<(), Vec<Diagnostic>> {
+    let key = |place: usize, key: &str| {
+        let is_list = document.find("impactor.0").is_some();
+        if is_list { format!("impactor.{place}.{key}") } else { format!("impactor.{key}") }
+    };
+    let surfaces = model.impactors.iter().enumerate();
+    let surfaces = surfaces.filter_map(|(place, impactor)| Some((place, mount::surface(&impactor.shape).err()?)));
+    let mut mistakes: Vec<Diagnostic> =
+        surfaces.map(|(place, error)| diagnostic(document, &key(place, "shape"), &error)).collect();
+    if mistakes.is_empty() {
+        mistakes.extend(refusal(model).map(|error| diagnostic(document, &place_of(&error, model, key), &error)));
+    }
+    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+}
+
+/// Why the scene cannot be mounted, if so.
+fn refusal(model: &Model) -> Option<RunError> {
+    let scene = match build::scene(model) {
+        Ok(scene) => scene,
+        Err(error) => return Some(error),
+    };
+    // Film that settles lifts bodies in contact with it, together.
+    let overlap = scene.engine.overlap_of_impactors(|[a, b]| a.in_contact == b.in_contact)?;
+    Some(RunError::of_overlap(model, overlap))
+}
+
+fn diagnostic(document: &Document, key: &str, error: &RunError) -> Diagnostic {
+    let mistake = Diagnostic::new(error.to_string()).at(&document.span(key));
+    Diagnostic { hint: error.hint(), ..mistake }
+}
+
+/// Path of the key that an error is about; `of` gives that of a key of an impactor.
+fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String) -> String {
+    match error {
+        RunError::Mesh(error) => match (error.kind, &model.specimen.shape) {
+            (MeshErrorKind::Size, _) => "specimen.mesh".to_owned(),
+            (_, Outline::Mesh { .. }) => "specimen.shape.mesh".to_owned(),
+            _ => "specimen.shape".to_owned(),
+        },
+        RunError::FibreDirection(_) => "specimen.md_angle".to_owned(),
+        RunError::Mounting(Refusal { place: Place::Key(path), .. }) => path.clone(),
+        RunError::Mounting(Refusal { place: Place::Position(impactor), .. }) => of(*impactor, "position"),
+        // Those of the impactors are known before.
+        RunError::Surface(_) => "frame.bars.radius".to_owned(),
+        RunError::StateMismatch(_) | RunError::Cancelled | RunError::Failure(_) => String::new(),
     }
 }

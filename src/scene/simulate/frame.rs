@@ -1,18 +1,22 @@
-//! The mounting frame as a body: its bars, and the clamp in which film slips.
+//! The mounting frame as a body: its bars, the clamp in which film slips, and the force of the film on it (theory.md,
+//! section 17).
+
+use std::collections::BTreeSet;
 
 use nalgebra::Vector2;
 
 use super::fault::RunError;
-use super::prestress;
+use super::mount;
 use crate::mesh::{Mesh, Outline, Polygon, Side};
 use crate::model::{Bars, Clamp, Hold, Model};
-use membrane::engine::{ClampedNode, Contact, Film, Impact, Nodes, Surface};
+use base::number::significant;
+use membrane::engine::{ClampedNode, Contact, Film, Impact, Nodes, Springs, Surface, View};
 
 /// Length by which a straight bar continues beyond the film where the side next to it is free, over its radius.
 const BEYOND: f64 = 2.0;
 
 /// Share of the extent of an outline, or of a force, that is round-off.
-const ROUND_OFF: f64 = 1e-9;
+const NEAR: f64 = 1e-9;
 
 /// The bars of `model` as a body on which film bends, where there are any.
 ///
@@ -92,7 +96,7 @@ fn around_rectangle([a, b]: [f64; 2], hold: &Hold, beyond: f64) -> Vec<[[f64; 2]
 /// The edges of the outline of `polygon` that no mirror plane replaces, and their mirror images.
 fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> {
     let corners = &polygon.outer;
-    let near = ROUND_OFF * polygon.extent();
+    let near = NEAR * polygon.extent();
     let is_mirror =
         |[p, q]: &[[f64; 2]; 2]| (0..2).any(|axis| mirrored[axis] && p[axis].abs().max(q[axis].abs()) <= near);
     let edges = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
@@ -111,7 +115,7 @@ fn around_polygon(polygon: &Polygon, mirrored: [bool; 2]) -> Vec<[[f64; 2]; 2]> 
 /// Largest force (N) of friction in the clamp on the `length` (m) of a face whose edges in it have the length `whole`
 /// (m): 2 µF l/L (theory.md, equation 73).
 fn friction_of(clamp: Clamp, length: f64, whole: f64) -> f64 {
-    2.0 * clamp.friction * clamp.force * length / whole
+    2.0 * clamp.friction * clamp.force.0 * length / whole
 }
 
 /// Length of the edge from one node of `mesh` to another, m.
@@ -123,19 +127,26 @@ fn length_of(mesh: &Mesh, [a, b]: [u32; 2]) -> f64 {
 /// it would let go of the film as a shock at the start (theory.md, equation 73).
 ///
 /// # Errors
-/// [`RunError::ClampTooWeak`].
+/// [`RunError::Mounting`].
 pub(super) fn check_clamp(model: &Model, faces: usize, mesh: &Mesh, held: &[[u32; 2]]) -> Result<(), RunError> {
     let (Some(clamp), Some(face)) = (model.frame.clamp, model.faces.get(faces - 1)) else { return Ok(()) };
     let pull = |edge: &[u32; 2]| {
         let along = mesh.nodes[edge[1] as usize] - mesh.nodes[edge[0] as usize];
         let normal = along.xy().try_normalize(0.0).map_or(Vector2::zeros(), |t| Vector2::new(t.y, -t.x));
-        prestress::line_force(face, &normal).norm()
+        mount::line_force(face, &normal).norm()
     };
     let pull = held.iter().map(pull).fold(0.0, f64::max);
     let length = model.specimen.symmetry.copies() * held.iter().map(|edge| length_of(mesh, *edge)).sum::<f64>();
     let bound = friction_of(clamp, 1.0, length);
-    if pull > bound * (1.0 + ROUND_OFF) {
-        return Err(RunError::ClampTooWeak { face: faces, pull, held: bound, needed: clamp.force * pull / bound });
+    if pull > bound * (1.0 + NEAR) {
+        let message = format!(
+            "the pre-strain of face {faces} pulls with {} N/m at its edge, and the clamp holds {} N/m",
+            significant(pull, 4),
+            significant(bound, 4)
+        );
+        // Rounded up, so that it holds.
+        let hint = format!("a force of {} N holds it", (clamp.force.0 * pull / bound * (1.0 + 1e-9)).ceil());
+        return Err(RunError::at_key("frame.clamp.force", message, hint));
     }
     Ok(())
 }
@@ -156,4 +167,98 @@ pub(super) fn clamped(model: &Model, nodes: &Nodes, mesh: &Mesh, held: &[[u32; 2
         free: nodes.free_axes(first + n),
     };
     lengths.iter().enumerate().filter(|(_, length)| **length > 0.0).map(node).collect()
+}
+
+/// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
+/// force of jaws is a signal of its own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldSides {
+    sides: Vec<HeldSide>,
+    /// Whether x = 0 and y = 0 are mirror planes.
+    mirrored: [bool; 2],
+}
+
+#[derive(Clone, Debug)]
+struct HeldSide {
+    side: Side,
+    /// Counted among all nodes; empty where a mirror plane replaces the side.
+    nodes: Vec<u32>,
+    /// Numbers of the springs on which it hangs.
+    springs: Vec<usize>,
+}
+
+impl HeldSides {
+    /// The held sides of `model`, before any face is mounted.
+    pub(super) fn from_model(model: &Model) -> HeldSides {
+        let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
+        let sides = match &model.frame.hold {
+            _ if !is_rectangle => vec![],
+            Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],
+            Hold::Sides(sides) => sides.clone(),
+            Hold::None => vec![],
+        };
+        let sides = sides.into_iter().map(|side| HeldSide { side, nodes: vec![], springs: vec![] }).collect();
+        HeldSides { sides, mirrored: model.specimen.symmetry.mirrors() }
+    }
+
+    /// Adds the nodes of a face. `first` is the first of all nodes that belongs to `mesh`.
+    pub(super) fn mount(&mut self, mesh: &Mesh, first: usize) {
+        for held in &mut self.sides {
+            held.nodes.extend(mesh.sides[held.side as usize].iter().map(|n| first as u32 + n));
+        }
+    }
+
+    /// Finds the springs on which each side hangs, after all faces.
+    ///
+    /// # Errors
+    /// [`RunError::Mounting`] where a side hangs on none.
+    pub(super) fn tie(&mut self, springs: &Springs) -> Result<(), RunError> {
+        let springs = springs.springs();
+        for held in &mut self.sides {
+            let nodes: BTreeSet<usize> = held.nodes.iter().map(|node| *node as usize).collect();
+            // A spring at a corner is on both sides.
+            let hangs = |number: &usize| {
+                let spring = &springs[*number];
+                let mut ends = spring.nodes.iter().zip(spring.shares).filter(|(_, share)| *share > SHARE_ROUND_OFF);
+                ends.all(|(node, _)| nodes.contains(node))
+            };
+            held.springs = (0..springs.len()).filter(hangs).collect();
+            // Mirror planes replace a side without nodes.
+            if held.springs.is_empty() && !held.nodes.is_empty() {
+                let message = format!("no spring stands on the held side `{}`", held.side.name());
+                let hint = "use more springs, or name the sides that hang on some in `frame.hold`";
+                return Err(RunError::at_key("frame.springs.count", message, hint));
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean inward force of the whole film on the held sides across an axis, N; none where no side across it is held,
+    /// NaN where mirror planes replace all that are.
+    pub(super) fn force(&self, view: &View<'_>, axis: usize) -> Option<f64> {
+        self.across(axis).next()?;
+        let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
+        let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
+        let force = |held: &HeldSide| {
+            let of_springs = view.spring_force_of(&held.springs, axis);
+            of_springs.unwrap_or_else(|| view.nodes.total_force(&held.nodes, axis))
+        };
+        let inward = |held: &HeldSide| -sign_outward(held.side) * force(held);
+        Some(copies * sides().map(inward).sum::<f64>() / sides().count() as f64)
+    }
+
+    fn across(&self, axis: usize) -> impl Iterator<Item = &HeldSide> {
+        self.sides.iter().filter(move |held| held.side as usize / 2 == axis)
+    }
+}
+
+/// Share of a spring that is round-off.
+const SHARE_ROUND_OFF: f64 = 1e-6;
+
+/// Sign of the outward normal of a side.
+fn sign_outward(side: Side) -> f64 {
+    match side {
+        Side::XMinus | Side::YMinus => -1.0,
+        Side::XPlus | Side::YPlus => 1.0,
+    }
 }

@@ -1,60 +1,39 @@
 //! One run: from a checked model to its outcome.
 
-mod biaxial;
 mod build;
-mod channels;
-mod check;
-mod checkpoint;
 mod energy_check;
 mod fault;
-mod film;
 mod frame;
-mod frame_force;
-mod grid;
-mod image;
 mod loading;
 mod monitor;
-mod motion;
 mod mount;
-mod prestress;
 mod outcome;
-mod pieces;
 mod probe;
 mod pull;
-mod rates;
-mod rise;
 mod rows;
-mod snapshot;
-mod spring_step;
 mod springs;
-mod thinning;
 mod tracks;
 mod warning;
 
 use std::time::{Duration, Instant};
 
+use mount::Mounting;
+use probe::{Probe, Record};
+use serde::{Deserialize, Serialize};
+
 use crate::model::{Hold, Model};
 pub use base::cancellation::Cancellation;
-pub use check::check;
-pub use checkpoint::{Checkpoint, Checkpoints, Restart};
-pub use energy_check::energy_columns;
-pub use fault::{Failure, Fault, RunError};
-pub use film::{Film, FilmSpring};
-pub use image::Image;
+pub use energy_check::{RateHistogram, energy_columns};
+pub use fault::{Failure, Fault, Refusal, RunError, check};
 use lab::signal::Recording;
 pub use loading::ends_loaded;
 pub use membrane::engine::EnergyTerm;
-use membrane::engine::{self, Engine, Relaxation, Settling, Surface, ThreadPool};
+use membrane::engine::{self, Engine, Relaxation, Settling, State, StateMismatch, Surface, ThreadPool};
 use membrane::lane::Width;
-pub use motion::{FaceMotion, FaceState};
-use mount::Mounting;
 pub use mount::{rigid_body, section, surface};
-pub use outcome::Outcome;
-use probe::Probe;
+pub use outcome::{Detail, FaceMotion, FaceState, Film, FilmSpring, FilmState, Image, Outcome, Snapshot, SpringDetail};
 pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
-pub use rates::RateHistogram;
-pub use snapshot::{Detail, FilmState, Snapshot, SpringDetail};
-pub use spring_step::SpringStep;
+pub use springs::SpringStep;
 pub use warning::{BodySize, COARSE_CONTACT, CODES, ImpactorName, Warning};
 
 /// Progress of a run.
@@ -166,7 +145,8 @@ pub fn run_with(
         return Err(RunError::Cancelled);
     }
     if engine.steps() == 0 && settled.is_ok() && !engine.has_faces_in_order() {
-        return Err(RunError::FacesCross);
+        let hint = "mount them further apart, or leave contact between them out with `contact.film = false`";
+        return Err(RunError::at_key("contact", "two faces pass through each other before the test", hint));
     }
     let lifted = scene.mounting.bodies.iter_mut().filter(|body| body.in_contact);
     lifted.for_each(|body| body.start += probe.lift());
@@ -271,4 +251,60 @@ fn advance(
         }
     }
     Ok(())
+}
+
+/// State of a run between two steps, to be written. What follows from the model (meshes, laws, masses, the impactor's
+/// shape) is regenerated when a run resumes; a checkpoint holds only what the steps change.
+#[derive(Serialize)]
+pub struct Checkpoint<'a> {
+    engine: State,
+    record: &'a Record,
+    wall: Duration,
+}
+
+/// A [`Checkpoint`] read back: the same fields in the same order.
+#[derive(Deserialize)]
+pub struct Restart {
+    engine: State,
+    record: Record,
+    /// Wall time of the run up to the checkpoint.
+    wall: Duration,
+}
+
+/// When checkpoints are taken, and what writes them.
+pub struct Checkpoints<'a> {
+    /// Simulated time between two, s.
+    pub every: f64,
+    /// Writes one.
+    pub write: &'a mut dyn FnMut(&Checkpoint<'_>),
+}
+
+impl<'a> Checkpoint<'a> {
+    /// The present state of a run; `wall` is its wall time so far.
+    fn capture(engine: &Engine, probe: &'a Probe<'_>, wall: Duration) -> Checkpoint<'a> {
+        Checkpoint { engine: engine.state(), record: probe.record(), wall }
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.engine.time
+    }
+
+    /// Steps so far.
+    pub fn steps(&self) -> u64 {
+        self.engine.steps
+    }
+}
+
+impl Restart {
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.engine.time
+    }
+
+    /// Restores `engine` and `probe`, newly built from the same model, to the state of the checkpoint.
+    fn restore(self, engine: &mut Engine, probe: &mut Probe<'_>) -> Result<(), StateMismatch> {
+        engine.restore(self.engine)?;
+        probe.resume(self.record)
+    }
 }

@@ -1,46 +1,30 @@
 //! The bounds that a run is checked against while it steps.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::biaxial::biaxial_share;
-use super::channels::Sample;
-use super::film::Film;
-use super::spring_step::SpringStep;
-use super::thinning::thins_from;
+use super::outcome::{FilmState, Outcome, Snapshot};
+use super::springs::SpringStep;
+use super::tracks::Sample;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
-use membrane::engine::{
-    self, AddedMass, ContactState, ElementStrain, FilmContactState, Relaxation, SpringsState, TooWide, View,
-};
-use membrane::material::Law;
+use membrane::engine::{self, ContactState, ElementStrain, FilmContactState, TooWide, View};
+use membrane::material::{Hardening, Law};
 
-/// Figures that are known only at the end of a run.
-pub(super) struct Figures<'a> {
+/// What a run ends with besides its outcome.
+pub(super) struct End {
     /// Whether each impactor reached the end of the test without contact.
     pub(super) missed: Vec<bool>,
     /// Whether each met other bodies by then, but not the film.
     pub(super) met_others_alone: Vec<bool>,
-    /// How the film came to equilibrium.
-    pub(super) relaxation: Option<Relaxation>,
-    /// Error of the energy balance.
-    pub(super) balance: f64,
-    /// Share of the strain increments outside the measured rates.
-    pub(super) outside: f64,
-    /// Largest equivalent plastic strain of each face, where its law has one.
-    pub(super) plastic: Vec<Option<f64>>,
-    /// Kinetic share of a slow test.
-    pub(super) kinetic: Option<f64>,
-    /// Mass added to the small elements of each face.
-    pub(super) added_mass: &'a [AddedMass],
-    /// What springs of the frame make of the time step.
-    pub(super) spring_step: Option<SpringStep>,
-    /// Snapshots requested and taken.
-    pub(super) snapshots: [usize; 2],
     /// Whether each impactor is still in contact at the end.
     pub(super) unfinished: Vec<bool>,
-    /// When film first broke.
-    pub(super) rupture_time: Option<f64>,
-    /// At the end of the run, s.
+    /// What springs of the frame make of the time step.
+    pub(super) spring_step: Option<SpringStep>,
+    /// Snapshots that the mesh allows.
+    pub(super) snapshots: usize,
+    /// Simulated time, s.
     pub(super) time: f64,
 }
 
@@ -52,25 +36,76 @@ fn cooling(face: &Face, thickness: f64) -> Option<f64> {
     Some(face.material.thermal?.capacity * thickness / (2.0 * TO_AIR))
 }
 
-/// For each bound, the first time at which it was exceeded, and the largest excess.
+/// A bound that is watched while a run steps, in the order of the findings: of a body, then of film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+enum Watch {
+    /// Travel of a body in one step, m.
+    Travel,
+    /// Longest edge in contact over the size of the body.
+    Edge,
+    /// Penetration over that size.
+    Penetration,
+    /// Whether the body met the frame.
+    FrameHit,
+    /// Slip of film in its clamp, m.
+    Slip,
+    /// Share of the held length of film that left its clamp.
+    Left,
+    /// Share of slack springs.
+    Slack,
+    /// Strain of an element that is strained much more than its neighbours.
+    Localised,
+    /// Share of a face under biaxial load whose directions nothing couples.
+    Biaxial,
+    /// Depth of film behind a mirror plane, m.
+    Behind,
+    /// Depth of film in film, m.
+    Crossed,
+    /// How often contact of film with film was lost.
+    Lost,
+}
+
+/// What the bounds on film as a whole are compared with at each sample; they are exceeded above zero.
+type OfFilm = fn(&Sample<'_>) -> Option<f64>;
+
+const OF_FILM: [(Watch, OfFilm); 5] = [
+    (Watch::Slip, |sample| sample.clamp.map(|[slip, _]| slip)),
+    (Watch::Left, |sample| sample.clamp.map(|[_, left]| left)),
+    (Watch::Slack, |sample| sample.springs.as_ref().map(|springs| springs.slack)),
+    (Watch::Crossed, |sample| sample.films.map(|films| -films.distance)),
+    (Watch::Lost, |sample| sample.films.map(|films| films.lost as f64)),
+];
+
+impl Watch {
+    /// Whether it is one of each body, and not of each face or of the film.
+    fn is_of_bodies(self) -> bool {
+        self <= Watch::FrameHit
+    }
+
+    /// Whether the time of its largest value is kept, and not that of the first.
+    fn is_timed_by_largest(self) -> bool {
+        matches!(self, Watch::Travel | Watch::Biaxial)
+    }
+}
+
+/// A bound that was exceeded.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Excess {
+    /// When it first was, or when it was exceeded most, s.
+    time: f64,
+    /// The largest value.
+    most: f64,
+}
+
+/// The bounds that were exceeded so far.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Monitor {
-    contacts: Vec<ContactMonitor>,
-    localised: Option<(f64, f64, usize)>,
-    /// Time (s), share and place of the face whose largest part of too little coupled fabric is under biaxial load.
-    biaxial: Option<(f64, f64, usize)>,
-    crossed: Option<(f64, f64)>,
-    /// First time (s) at which film was farther behind a mirror plane than it is thick, and how far at most (m).
-    behind: Option<(f64, f64)>,
-    lost: Option<(f64, u64)>,
+    /// By their body or face.
+    exceeded: BTreeMap<(Watch, usize), Excess>,
+    /// Size of each body, m; zero before the first audit.
+    sizes: Vec<f64>,
     /// Steps in which the impulses between faces did not converge, and all steps.
     unresolved: [u64; 2],
-    /// First time (s) and largest slip (m) of film in its clamp.
-    slip: Option<(f64, f64)>,
-    /// First time (s) and share of the held length of film that left its clamp.
-    left: Option<(f64, f64)>,
-    /// First time (s) and largest share of slack springs.
-    slack: Option<(f64, f64)>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
     /// Share of its work that film at a tip would have returned, where that decided.
@@ -80,18 +115,6 @@ pub(super) struct Monitor {
     mirrors: [bool; 2],
     /// Of the thinnest face, m.
     thickness: f64,
-}
-
-/// The bounds on the contact of one impactor.
-#[derive(Clone, Default, Serialize, Deserialize)]
-struct ContactMonitor {
-    edge: Option<(f64, f64)>,
-    penetration: Option<(f64, f64)>,
-    frame_hit: Option<f64>,
-    /// Time (s) and length (m) of the longest travel in one step.
-    travel: (f64, f64),
-    /// Size of the body, m; zero before the first audit.
-    size: f64,
 }
 
 /// Intact elements, by their number among such, that share a node with the one of number `element`.
@@ -113,111 +136,67 @@ fn neighbours(film: &engine::Film, element: usize) -> Vec<usize> {
     beside
 }
 
-impl ContactMonitor {
-    /// Records the state of contact at `time` (s) on an impactor of `size` (m).
-    fn record(&mut self, time: f64, size: f64, state: &ContactState) {
-        self.size = size;
-        let (edge, depth) = (state.longest_edge / size, state.penetration / size);
-        if edge > bounds::EDGE && self.edge.is_none_or(|(_, worst)| edge > worst) {
-            self.edge = Some((self.edge.map_or(time, |c| c.0), edge));
-        }
-        if depth > bounds::PENETRATION && self.penetration.is_none_or(|(_, worst)| depth > worst) {
-            self.penetration = Some((self.penetration.map_or(time, |c| c.0), depth));
-        }
-        if state.frame_hit {
-            self.hits_frame(time);
-        }
-    }
-
-    fn hits_frame(&mut self, time: f64) {
-        self.frame_hit.get_or_insert(time);
-    }
-
-    /// The warnings of the impactor `name`, whose size is this one; whether the frame has bars.
-    fn warnings(&self, name: &ImpactorName, size: BodySize, has_bars: bool) -> impl Iterator<Item = Warning> {
-        let impactor = || name.clone();
-        let edge = self.edge.map(|(time, edge)| Warning::CoarseContact { impactor: impactor(), time, edge, size });
-        let depth =
-            self.penetration.map(|(time, depth)| Warning::Penetration { impactor: impactor(), time, depth, size });
-        let hit = self.frame_hit.map(|time| Warning::FrameHit { impactor: name.clone(), time, has_bars });
-        let (time, travel) = (self.travel.0, self.travel.1 / self.size);
-        let too_fast = (self.size > 0.0 && travel > bounds::TRAVEL).then(|| Warning::TooFast {
-            impactor: impactor(),
-            time,
-            travel,
-            size,
-        });
-        [too_fast, edge, depth, hit].into_iter().flatten()
-    }
-}
-
-/// Records a `value` at `time` (s) that is a finding where it is positive: when it first is, and the largest.
-fn record(recorded: &mut Option<(f64, f64)>, time: f64, value: f64) {
-    if value > 0.0 {
-        let (first, most) = recorded.unwrap_or((time, 0.0));
-        *recorded = Some((first, value.max(most)));
-    }
-}
-
 impl Monitor {
     /// The monitor of a run of `model`: its impactors, and bars after them.
     pub(super) fn new(model: &Model) -> Monitor {
         let has_bars = model.frame.bars.is_some();
-        let contacts = vec![ContactMonitor::default(); model.impactors.len() + usize::from(has_bars)];
-        let thickness = |face: &Face| face.material.thickness * f64::from(face.layers);
         Monitor {
-            contacts,
-            localised: None,
-            biaxial: None,
-            crossed: None,
-            behind: None,
-            lost: None,
+            exceeded: BTreeMap::new(),
+            sizes: vec![0.0; model.impactors.len() + usize::from(has_bars)],
             unresolved: [0; 2],
-            slip: None,
-            left: None,
-            slack: None,
             too_wide: None,
             returned: None,
             has_bars,
             mirrors: model.specimen.symmetry.mirrors(),
-            thickness: model.faces.iter().map(thickness).fold(f64::INFINITY, f64::min),
+            thickness: model.faces.iter().map(Face::thickness).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Records a `value` at `time` (s) of the body or face at a place where it is above its `bound`.
+    fn record(&mut self, watch: Watch, place: usize, time: f64, value: f64, bound: f64) {
+        if value > bound {
+            let excess = self.exceeded.entry((watch, place)).or_insert(Excess { time, most: value });
+            if value > excess.most {
+                excess.most = value;
+                if watch.is_timed_by_largest() {
+                    excess.time = time;
+                }
+            }
         }
     }
 
     /// Records the state of contact at `time` (s) on the body of this index and `size` (m).
     pub(super) fn contact(&mut self, body: usize, time: f64, size: f64, state: &ContactState) {
+        self.sizes[body] = size;
+        self.record(Watch::Edge, body, time, state.longest_edge / size, bounds::EDGE);
+        self.record(Watch::Penetration, body, time, state.penetration / size, bounds::PENETRATION);
         // With bars, it is them that an impactor reaches.
-        let frame_hit = state.frame_hit && !self.has_bars;
-        self.contacts[body].record(time, size, &ContactState { frame_hit, ..*state });
+        if state.frame_hit && !self.has_bars {
+            self.frame_hit(body, time);
+        }
     }
 
     /// Records that the body of this index travels so far (m) in the step at `time` (s).
     pub(super) fn travel(&mut self, body: usize, time: f64, length: f64) {
-        let longest = &mut self.contacts[body].travel;
-        if length > longest.1 {
-            *longest = (time, length);
-        }
+        self.record(Watch::Travel, body, time, length, 0.0);
     }
 
-    /// Records that the impactor of this index met the frame's bars at `time` (s).
-    pub(super) fn frame_hit(&mut self, impactor: usize, time: f64) {
-        self.contacts[impactor].hits_frame(time);
+    /// Records that the body of this index met the frame, or its bars, at `time` (s).
+    pub(super) fn frame_hit(&mut self, body: usize, time: f64) {
+        self.record(Watch::FrameHit, body, time, 1.0, 0.0);
     }
 
     /// Records the film at a sample: its slip in the clamp, its springs, its tears, and contact between its faces.
-    pub(super) fn sample(&mut self, Sample { view, clamp, springs, films, torn, .. }: &Sample<'_>) {
-        if let Some(clamp) = clamp {
-            self.clamp(view.time, *clamp);
+    pub(super) fn sample(&mut self, sample: &Sample<'_>) {
+        let view = sample.view;
+        for (watch, value) in OF_FILM {
+            self.record(watch, 0, view.time, value(sample).unwrap_or(0.0), 0.0);
         }
-        if let Some(SpringsState { slack, .. }) = springs {
-            record(&mut self.slack, view.time, *slack);
-        }
-        if torn.is_some() {
+        if sample.torn.is_some() {
             self.too_wide = view.too_wide;
             self.returned = view.returned;
         }
-        if let Some(FilmContactState { distance, lost, unresolved, .. }) = *films {
-            self.films(view.time, distance, lost);
+        if let Some(FilmContactState { unresolved, .. }) = sample.films {
             self.unresolved = unresolved;
             self.behind_mirrors(view);
         }
@@ -226,36 +205,19 @@ impl Monitor {
     /// Records film that lies behind a mirror plane, where its image is, which it does not meet.
     fn behind_mirrors(&mut self, view: &View<'_>) {
         let axes = view.nodes.position.axes();
-        for (axis, _) in self.mirrors.iter().enumerate().filter(|(_, mirror)| **mirror) {
+        let (mirrors, thickness) = (self.mirrors, self.thickness);
+        for axis in (0..2).filter(|axis| mirrors[*axis]) {
             let least = axes[axis].iter().copied().fold(0.0, f64::min);
-            if -least > self.thickness {
-                record(&mut self.behind, view.time, -least);
-            }
-        }
-    }
-
-    /// Records the largest slip (m) in the clamp at `time` (s) and the share of its length that holds film no longer.
-    fn clamp(&mut self, time: f64, [slip, left]: [f64; 2]) {
-        record(&mut self.slip, time, slip);
-        record(&mut self.left, time, left);
-    }
-
-    /// Records the least `distance` (m) of two faces at `time` (s), and how often their contact was `lost` so far.
-    fn films(&mut self, time: f64, distance: f64, lost: u64) {
-        if distance < 0.0 {
-            let (first, least) = self.crossed.unwrap_or((time, 0.0));
-            self.crossed = Some((first, distance.min(least)));
-        }
-        if lost > 0 {
-            self.lost = Some((self.lost.map_or(time, |(first, _)| first), lost));
+            self.record(Watch::Behind, 0, view.time, -least, thickness);
         }
     }
 
     /// Looks for an element that is strained much more than its neighbours.
     pub(super) fn strain(&mut self, view: &View<'_>, strains: &[Vec<ElementStrain>]) {
-        if self.localised.is_some() {
+        if self.exceeded.keys().any(|(watch, _)| *watch == Watch::Localised) {
             return;
         }
+        let mut found = None;
         // Film that can tear is strained most where it does, and takes the same energy there on any mesh.
         let films = view.films.iter().zip(strains).enumerate();
         for (face, (film, strains)) in films.filter(|(_, (film, _))| !film.takes_fracture_energy()) {
@@ -270,8 +232,11 @@ impl Monitor {
             let around: Vec<f64> = neighbours(film, worst).into_iter().filter_map(|k| intact.get(k).copied()).collect();
             let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
             if !around.is_empty() && intact[worst] > bounds::LOCALISATION * mean {
-                self.localised = Some((view.time, intact[worst], face + 1));
+                found = Some((face, intact[worst]));
             }
+        }
+        if let Some((face, strain)) = found {
+            self.record(Watch::Localised, face, view.time, strain, 0.0);
         }
     }
 
@@ -279,88 +244,110 @@ impl Monitor {
     pub(super) fn biaxial(&mut self, time: f64, strains: &[Vec<ElementStrain>], model: &Model) {
         for (place, (face, strains)) in model.faces.iter().zip(strains).enumerate() {
             let is_doubtful = face.unsourced_coupling.is_some_and(|coupling| coupling < bounds::COUPLING);
-            let share = if is_doubtful { biaxial_share(strains) } else { 0.0 };
-            if share > bounds::BIAXIAL && self.biaxial.is_none_or(|(_, largest, _)| share > largest) {
-                self.biaxial = Some((time, share, place));
+            if is_doubtful {
+                self.record(Watch::Biaxial, place, time, biaxial_share(strains), bounds::BIAXIAL);
             }
         }
     }
 
     /// Whether both are of scenes with the same bodies in contact, and this one of no more than so many faces.
     pub(super) fn is_like(&self, other: &Monitor, faces: usize) -> bool {
-        let places =
-            [self.biaxial.map(|(.., place)| place), self.localised.map(|(.., number)| number.saturating_sub(1))];
-        let bodies = |monitor: &Monitor| (monitor.contacts.len(), monitor.has_bars);
-        bodies(self) == bodies(other) && places.into_iter().flatten().all(|place| place < faces)
+        let bodies = |monitor: &Monitor| (monitor.sizes.len(), monitor.has_bars);
+        let is_place =
+            |(watch, place): &(Watch, usize)| *place < if watch.is_of_bodies() { self.sizes.len() } else { faces };
+        bodies(self) == bodies(other) && self.exceeded.keys().all(is_place)
     }
 
-    /// The warnings of a run of `model` on `films` that ended with `figures`.
-    pub(super) fn finish(self, figures: &Figures<'_>, films: &[Film], model: &Model) -> Vec<Warning> {
-        let Figures {
-            missed,
-            met_others_alone,
-            relaxation,
-            balance,
-            outside,
-            plastic,
-            kinetic,
-            added_mass,
-            spring_step,
-            snapshots,
-            unfinished,
-            rupture_time,
-            time,
-        } = figures;
-        let [wanted, taken] = snapshots;
+    /// The warning of a bound that the body of this `name` and shape exceeded.
+    fn of_body(&self, watch: Watch, body: usize, name: &ImpactorName, size: BodySize) -> Option<Warning> {
+        let Excess { time, most } = *self.exceeded.get(&(watch, body))?;
+        let impactor = name.clone();
+        match watch {
+            Watch::Travel => {
+                let travel = most / self.sizes[body];
+                let is_fast = self.sizes[body] > 0.0 && travel > bounds::TRAVEL;
+                is_fast.then_some(Warning::TooFast { impactor, time, travel, size })
+            }
+            Watch::Edge => Some(Warning::CoarseContact { impactor, time, edge: most, size }),
+            Watch::Penetration => Some(Warning::Penetration { impactor, time, depth: most, size }),
+            Watch::FrameHit => Some(Warning::FrameHit { impactor, time, has_bars: self.has_bars }),
+            _ => None,
+        }
+    }
+
+    /// The warning of a bound that film exceeded.
+    fn of_film(&self, watch: Watch, model: &Model) -> Option<Warning> {
+        let of_watch = self.exceeded.iter().filter(|((of, _), _)| *of == watch);
+        let by_size = |a: &Excess, b: &Excess| a.most.total_cmp(&b.most).then(b.time.total_cmp(&a.time));
+        // Of faces that are alike the first.
+        let (&(_, place), &Excess { time, most }) = of_watch.rev().max_by(|a, b| by_size(a.1, b.1))?;
+        match watch {
+            Watch::Slip => Some(Warning::ClampSlip { time, slip: most }),
+            Watch::Left => Some(Warning::ClampLeft { time, share: most }),
+            Watch::Slack => Some(Warning::SpringsSlack { time, share: most }),
+            Watch::Localised => Some(Warning::StrainLocalisation { time, strain: most, face: place + 1 }),
+            Watch::Biaxial => {
+                let coupling = model.faces[place].unsourced_coupling.unwrap_or_default();
+                Some(Warning::UncoupledBiaxial { time, share: most, face: place + 1, coupling })
+            }
+            Watch::Behind => Some(Warning::FilmBehindMirror { time, depth: most }),
+            Watch::Crossed => Some(Warning::FilmCrossing { time, depth: most }),
+            Watch::Lost => Some(Warning::FilmContactLost { time, times: most as u64 }),
+            _ => None,
+        }
+    }
+
+    /// The warnings of a run of `model` with this `outcome` so far.
+    pub(super) fn finish(self, outcome: &Outcome, end: &End, model: &Model) -> Vec<Warning> {
+        let End { missed, met_others_alone, unfinished, spring_step, snapshots: taken, time } = end;
+        let (wanted, taken, time) = (model.output.frames, *taken, *time);
+        let (rupture_time, balance, outside) =
+            (outcome.rupture_time, outcome.energy_balance_error, outcome.rates.outside);
         let impactors = (0..model.impactors.len()).map(|place| ImpactorName::of_impactor(model, place));
-        let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then(ImpactorName::bars)).collect();
+        let names: Vec<ImpactorName> = impactors.chain(self.has_bars.then_some(ImpactorName::Bars)).collect();
         let sizes =
             model.impactors.iter().map(|impactor| BodySize::from_shape(&impactor.shape)).chain([BodySize::Radius]);
         let of = |which: &[bool], warning: fn(ImpactorName) -> Warning| -> Vec<Warning> {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()
         };
-        let misshapen = films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
+        let misshapen = outcome.films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
         let mut out: Vec<Warning> = misshapen
             .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
             .collect();
-        out.extend(relaxation.and_then(|relaxation| match relaxation {
+        out.extend(outcome.relaxation.and_then(|relaxation| match relaxation {
             relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => {
                 Some(Warning::NotInEquilibrium(relaxation))
             }
             relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
             _ => None,
         }));
-        let heavy = added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
+        let heavy =
+            outcome.added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
         out.extend(spring_step.filter(SpringStep::is_much_shorter).map(Warning::StepOfSprings));
         out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
         let without_contact = names.iter().zip(missed).filter(|(_, missed)| **missed);
         out.extend(without_contact.map(|(name, _)| match rupture_time {
-            Some(time) => Warning::TornBeforeContact { impactor: name.clone(), time: *time },
+            Some(time) => Warning::TornBeforeContact { impactor: name.clone(), time },
             None => Warning::NoContact(name.clone()),
         }));
         out.extend(of(met_others_alone, Warning::NoFilmContact));
-        let bodies = self.contacts.iter().zip(&names).zip(sizes);
-        out.extend(bodies.flat_map(|((contact, name), size)| contact.warnings(name, size, self.has_bars)));
-        out.extend(self.slip.map(|(time, slip)| Warning::ClampSlip { time, slip }));
-        out.extend(self.left.map(|(time, share)| Warning::ClampLeft { time, share }));
-        out.extend(self.slack.map(|(time, share)| Warning::SpringsSlack { time, share }));
-        out.extend(self.localised.map(|(time, strain, face)| Warning::StrainLocalisation { time, strain, face }));
-        out.extend(self.biaxial.map(|(time, share, place)| {
-            let coupling = model.faces[place].unsourced_coupling.unwrap_or_default();
-            Warning::UncoupledBiaxial { time, share, face: place + 1, coupling }
-        }));
+        for (body, (name, size)) in names.iter().zip(sizes).enumerate() {
+            let watches = [Watch::Travel, Watch::Edge, Watch::Penetration, Watch::FrameHit];
+            out.extend(watches.into_iter().filter_map(|watch| self.of_body(watch, body, name, size)));
+        }
+        let of_film = |watches: &[Watch]| -> Vec<Warning> {
+            watches.iter().filter_map(|watch| self.of_film(*watch, model)).collect()
+        };
+        out.extend(of_film(&[Watch::Slip, Watch::Left, Watch::Slack, Watch::Localised, Watch::Biaxial]));
         out.extend(self.too_wide.map(|TooWide { width, ratio }| Warning::ElementsTooWide { width, ratio }));
         out.extend(self.returned.map(|share| Warning::TearByLimit { share }));
-        out.extend(self.behind.map(|(time, depth)| Warning::FilmBehindMirror { time, depth }));
-        out.extend(self.crossed.map(|(time, distance)| Warning::FilmCrossing { time, depth: -distance }));
-        out.extend(self.lost.map(|(time, times)| Warning::FilmContactLost { time, times }));
+        out.extend(of_film(&[Watch::Behind, Watch::Crossed, Watch::Lost]));
         let [steps, all] = self.unresolved;
         if steps as f64 > bounds::UNRESOLVED * all as f64 {
             out.push(Warning::FilmContactUnresolved { steps, of: all });
         }
         out.extend(of(unfinished, Warning::Unfinished));
-        let (wanted, taken, balance, outside) = (*wanted, *taken, *balance, *outside);
         let nothing_hit =
             !missed.is_empty() && missed.iter().zip(met_others_alone).all(|(missed, other)| *missed || *other);
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
@@ -373,35 +360,132 @@ impl Monitor {
         };
         let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
         out.extend(rupture_time.filter(|_| is_drop).map(|time| Warning::BreakStrainOfCoupons { time }));
-        out.extend(plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
-            let (Some(strain), Law::Plastic(law)) = (*strain, &face.material.law) else { return None };
-            let end = law.hardening().end();
-            // Those of snapshots have single precision.
-            (strain > end + 1e-6).then_some(Warning::HardeningExceeded { face: place + 1, strain, end })
+        let plastic = largest_plastic_strains(&outcome.snapshots, model.faces.len());
+        let yielded = plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
+            let Law::Plastic(law) = &face.material.law else { return None };
+            Some((place + 1, (*strain)?, law.hardening(), face))
+        });
+        // Strains of snapshots have single precision.
+        let exceeding = yielded.clone().filter(|(_, strain, hardening, _)| *strain > hardening.end() + 1e-6);
+        out.extend(exceeding.map(|(face, strain, hardening, _)| Warning::HardeningExceeded {
+            face,
+            strain,
+            end: hardening.end(),
         }));
-        out.extend(plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
-            let (Some(strain), Law::Plastic(law)) = (*strain, &face.material.law) else { return None };
-            face.material.rupture.as_ref()?;
-            let from = thins_from(law.hardening(), strain)?;
-            Some(Warning::ThinningBeforeBreak { face: place + 1, strain, from })
+        let torn = yielded.filter(|(.., face)| face.material.rupture.is_some());
+        out.extend(torn.filter_map(|(face, strain, hardening, _)| {
+            Some(Warning::ThinningBeforeBreak { face, strain, from: thins_from(hardening, strain)? })
         }));
-        out.extend(model.faces.iter().enumerate().filter_map(|(place, face)| {
-            let layers = face.material.thickness * f64::from(face.layers);
-            let cooling = cooling(face, layers).filter(|cooling| *time > bounds::COOLING * cooling)?;
-            Some(Warning::HeatLeaves { face: place + 1, time: *time, cooling })
-        }));
-        out.extend(model.faces.iter().enumerate().filter_map(|(place, face)| {
-            let [_, rate] = face.material.measured_rates?;
-            let [strain, other] = face.material.break_strains();
+        for (face, number) in model.faces.iter().zip(1..) {
+            let cooling = cooling(face, face.thickness()).filter(|cooling| time > bounds::COOLING * cooling);
+            out.extend(cooling.map(|cooling| Warning::HeatLeaves { face: number, time, cooling }));
+        }
+        for (face, number) in model.faces.iter().zip(1..) {
             // Coupons are single layers.
-            let holds = strain.min(other) < bounds::COOLING * cooling(face, face.material.thickness)? * rate;
-            holds.then_some(Warning::HeatTwice { face: place + 1, rate })
-        }));
-        out.extend(kinetic.and_then(|share| match share {
+            let cooling = cooling(face, face.material.thickness).zip(face.material.measured_rates);
+            let [strain, other] = face.material.break_strains();
+            let holds = cooling.filter(|(time, [_, rate])| strain.min(other) < bounds::COOLING * time * rate);
+            out.extend(holds.map(|(_, [_, rate])| Warning::HeatTwice { face: number, rate }));
+        }
+        out.extend(outcome.kinetic_share.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
             share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),
             _ => None,
         }));
         out
+    }
+}
+
+/// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
+fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
+    let of_face = |face: usize| {
+        let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
+        // An element that tears is drawn out within its row: its strain is not that of film.
+        let whole = |state: &FilmState| -> Vec<f32> {
+            let tears = |element: usize| state.damage.get(element).is_some_and(|damage| *damage > 0.0);
+            let strains = state.plastic_strain.iter().enumerate();
+            strains.filter(|(element, _)| !tears(*element)).map(|(_, strain)| *strain).collect()
+        };
+        states.flat_map(whole).map(f64::from).reduce(f64::max)
+    };
+    (0..faces).map(of_face).collect()
+}
+
+/// Larger principal strain from which an element counts.
+const STRAINED: f64 = 0.02;
+
+/// Smaller principal strain over the larger one from which an element is under biaxial load.
+const RATIO: f64 = 0.2;
+
+/// Part of the volume of all that is not broken.
+fn biaxial_share(strains: &[ElementStrain]) -> f64 {
+    let intact = || strains.iter().filter(|strain| strain.volume > 0.0 && !strain.has_failed());
+    let volume = |strain: &ElementStrain| strain.volume;
+    let biaxial: f64 = intact().filter(|strain| is_biaxial(strain)).map(volume).sum();
+    let all: f64 = intact().map(volume).sum();
+    if all > 0.0 { biaxial / all } else { 0.0 }
+}
+
+fn is_biaxial(strain: &ElementStrain) -> bool {
+    let [md, td, shear] = strain.strain;
+    let [c11, c22, c12] = [(1.0 + md).powi(2), (1.0 + td).powi(2), (1.0 + md) * (1.0 + td) * shear.sin()];
+    let (mean, half) = (0.5 * (c11 + c22), (0.5 * (c11 - c22)).hypot(c12));
+    let [larger, smaller] = [mean + half, mean - half].map(|square| square.max(0.0).sqrt() - 1.0);
+    larger > STRAINED && smaller > RATIO * larger
+}
+
+/// Steps in which a flow curve is searched.
+const STEPS: u32 = 2000;
+
+/// Equivalent plastic strain up to `most` from which film thins by itself even in equibiaxial tension, where it does so
+/// last: dσ/dp = σ/2 (Swift, J. Mech. Phys. Solids 1, 1952).
+pub(super) fn thins_from(hardening: &Hardening, most: f64) -> Option<f64> {
+    let step = most / f64::from(STEPS);
+    let thins = |strain: &f64| {
+        let [stress, next] = [*strain, strain + step].map(|strain| hardening.stress(strain));
+        2.0 * (next - stress) < stress * step
+    };
+    (0..STEPS).map(|place| step * f64::from(place)).find(thins)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use membrane::material::{FlowCurve, Voce};
+
+    fn strained(strain: [f64; 3], volume: f64) -> ElementStrain {
+        ElementStrain { strain, volume, left: [1.0; 2], ..ElementStrain::default() }
+    }
+
+    #[test]
+    fn the_share_is_that_of_both_principal_strains() {
+        let cases = [
+            ([0.1, 0.1, 0.0], true),
+            ([0.1, 0.01, 0.0], false),
+            ([0.01, 0.01, 0.0], false),
+            ([0.3, -0.1, 0.0], false),
+            // A strip that is pulled at 45 degrees: its fibres are strained alike, but by shear.
+            ([0.1, 0.1, 0.19], false),
+        ];
+        for (strain, expected) in cases {
+            assert_eq!(is_biaxial(&strained(strain, 1.0)), expected, "{strain:?}");
+        }
+        let film = [strained([0.1, 0.1, 0.0], 1.0), strained([0.1, 0.0, 0.0], 3.0), strained([0.5, 0.5, 0.0], 0.0)];
+        assert!((biaxial_share(&film) - 0.25).abs() < 1e-12);
+        assert_eq!(biaxial_share(&[]), 0.0);
+    }
+
+    #[test]
+    fn a_saturating_film_thins_where_swift_says() {
+        let (initial, saturation, rate) = (8e6, 20e6, 8.0);
+        let found = thins_from(&Hardening::Voce(Voce { initial, saturation, rate }), 1.0).unwrap();
+        let expected = (2.0 * (saturation - initial) * (rate + 0.5) / saturation).ln() / rate;
+        assert!((found - expected).abs() < 2e-3, "{found} for {expected}");
+    }
+
+    #[test]
+    fn film_that_stiffens_does_not() {
+        let curve = FlowCurve::new(&[[0.0, 8e6], [0.5, 20e6], [1.0, 40e6]]).unwrap();
+        assert_eq!(thins_from(&Hardening::Table(curve), 0.9), None);
     }
 }

@@ -4,20 +4,14 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::channels::{self, Sample};
-use super::energy_check::EnergyCheck;
+use super::energy_check::{EnergyCheck, RateAudit};
 use super::fault::Fault;
-use super::frame::Crest;
-use super::frame_force::HeldSides;
+use super::frame::{Crest, HeldSides};
 use super::loading::{self, LoadCase};
-use super::monitor::{Figures, Monitor};
-use super::motion::MotionRecord;
+use super::monitor::{End, Monitor};
 use super::mount::Mounting;
-use super::outcome::Outcome;
-use super::rates::RateAudit;
-use super::rise::{self, Rise};
-use super::snapshot::{self, FilmState, Snapshot};
-use super::tracks::{BodyTracks, Sampling, Tracks};
+use super::outcome::{self, MotionRecord, Outcome, Snapshot};
+use super::tracks::{self, BodyTracks, Rise, Sample, Sampling, Tracks};
 use super::warning::bounds::KINETIC;
 use crate::model::loading::Inertia;
 use crate::model::{Impactor, Model};
@@ -79,7 +73,7 @@ impl<'a> Probe<'a> {
         let loading = loading::load_case(model);
         let checked_from = if model.loading.inertia() == Inertia::Dynamic { 0.0 } else { CHECKED_FROM * duration };
         let measured = model.faces.iter().map(|f| f.material.measured_rates).collect();
-        let snapshots = snapshot::count(model.output.frames, &mounting.films, detailed);
+        let snapshots = outcome::count(model.output.frames, &mounting.films, detailed);
         let record = Record {
             audits: 0,
             tracks: tracks(model, mounting, Sampling::new(duration, sample)),
@@ -194,9 +188,9 @@ impl<'a> Probe<'a> {
         unsettled.map(|change| Fault::NotAtRest { time: self.duration, change })
     }
 
-    /// Change of an inflated film's deflection at the end (see [`rise::settling`]); none after a rupture.
+    /// Change of an inflated film's deflection at the end (see [`tracks::settling`]); none after a rupture.
     fn settling(&self) -> Option<f64> {
-        self.record.rupture_time.is_none().then(|| rise::settling(&self.record.tracks))?
+        self.record.rupture_time.is_none().then(|| tracks::settling(&self.record.tracks))?
     }
 
     /// Records that elements failed in the step from `time` (s).
@@ -219,7 +213,7 @@ impl<'a> Probe<'a> {
 
     fn record_due(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         if self.snapshot_due(view.time) {
-            self.record.snapshots.push(snapshot::snapshot(view, faces, self.detailed));
+            self.record.snapshots.push(outcome::snapshot(view, faces, self.detailed));
         }
         if let Some(wanted) = self.model.output.motion.as_ref().filter(|_| self.motion_due(view.time)) {
             self.record.motion.record(wanted, view);
@@ -244,7 +238,7 @@ impl<'a> Probe<'a> {
             films: view.film_contact_state(),
             torn: view.torn(),
         };
-        channels::take(&sample, &mut self.record.tracks);
+        tracks::take(&sample, &mut self.record.tracks);
         self.record.monitor.sample(&sample);
         self.record.rates.sample(view.time, faces);
         let mut sinks = view.bodies().len() == 0;
@@ -309,33 +303,19 @@ impl<'a> Probe<'a> {
             impactor.mass.is_finite() && force(prefix).is_some_and(loading::ends_loaded)
         };
         let unfinished = bodies.map(ends_loaded).collect();
-        let snapshots = [self.model.output.frames, self.snapshots];
         let relaxation = self.record.relaxation;
         // Torn length, area and energy only grow: their last sample is that of the run.
         let last = |column| self.record.tracks.sampled(&column).last().copied();
         let motion = self.model.output.motion.as_ref();
         let motion = motion.and_then(|wanted| self.record.motion.finish(wanted, &mounting.films));
         let torn = last(column::TORN_LENGTH).zip(last(column::TORN_AREA)).zip(last(column::FRACTURE_ENERGY));
-        let figures = Figures {
-            missed,
-            met_others_alone,
-            relaxation,
-            balance,
-            outside: rates.outside,
-            plastic: largest_plastic_strains(&self.record.snapshots, mounting.films.len()),
-            kinetic: kinetic_share,
-            added_mass: &mounting.added_mass,
-            spring_step: mounting.spring_step,
-            snapshots,
-            unfinished,
-            rupture_time: self.record.rupture_time,
-            time: engine.time(),
-        };
-        Outcome {
+        let (spring_step, snapshots, time) = (mounting.spring_step, self.snapshots, engine.time());
+        let end = End { missed, met_others_alone, unfinished, spring_step, snapshots, time };
+        let outcome = Outcome {
             signals,
             energies,
             snapshots: self.record.snapshots,
-            warnings: self.record.monitor.finish(&figures, &mounting.films, self.model),
+            warnings: vec![],
             films: mounting.films,
             motion,
             impactors: engine.impactors().cloned().collect(),
@@ -358,14 +338,15 @@ impl<'a> Probe<'a> {
             steps: engine.steps(),
             time_step: engine.time() / engine.steps().max(1) as f64,
             wall,
-        }
+        };
+        Outcome { warnings: self.record.monitor.finish(&outcome, &end, self.model), ..outcome }
     }
 
     /// The signals of `signals.csv` so far.
     pub(super) fn signals(&self, mounting: &Mounting) -> Recording {
         let tracks = &self.record.tracks;
         let mut signals = self.loading.signals(tracks, mounting);
-        channels::add(tracks, &mut signals);
+        tracks::add(tracks, &mut signals);
         signals
     }
 }
@@ -413,19 +394,4 @@ impl Observer for Probe<'_> {
         }
         self.record.tracks.follow(track);
     }
-}
-
-/// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
-fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
-    let of_face = |face: usize| {
-        let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
-        // An element that tears is drawn out within its row: its strain is not that of film.
-        let whole = |state: &FilmState| -> Vec<f32> {
-            let tears = |element: usize| state.damage.get(element).is_some_and(|damage| *damage > 0.0);
-            let strains = state.plastic_strain.iter().enumerate();
-            strains.filter(|(element, _)| !tears(*element)).map(|(_, strain)| *strain).collect()
-        };
-        states.flat_map(whole).map(f64::from).reduce(f64::max)
-    };
-    (0..faces).map(of_face).collect()
 }

@@ -28,35 +28,15 @@ pub enum Across {
 /// Why the curve of a single element cannot be computed.
 #[derive(Debug, Error)]
 pub enum PullError {
-    /// The loading is not a stretch.
-    #[error("only a scenario with `[loading.stretch]` can be pulled: there is no direction without it")]
-    NotAStretch,
     /// The element cannot be meshed.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A fibre has no direction in the element.
     #[error(transparent)]
     FibreDirection(#[from] UndefinedFibreDirection),
-    /// The strain is −1 or less.
-    #[error("expected an engineering strain above -1, found {strain}")]
-    Strain {
-        /// The engineering strain.
-        strain: f64,
-    },
-    /// Time goes back.
-    #[error("expected times from zero on that do not go back, found {time} s after {before} s")]
-    Time {
-        /// The time, s.
-        time: f64,
-        /// The time before, s.
-        before: f64,
-    },
-    /// No width, or no width and shear, is in equilibrium at the strain.
-    #[error("no width of the film is in equilibrium at the strain {strain}")]
-    NoWidth {
-        /// The engineering strain.
-        strain: f64,
-    },
+    /// The loading, a strain or a time cannot be one of a pull, or no width is in equilibrium.
+    #[error("{0}")]
+    Other(String),
 }
 
 /// Nominal stress (Pa) of the film of `model` at `strains`, which it is stretched to one after the other: one
@@ -88,7 +68,9 @@ pub fn pull_along(model: &Model, path: &[[f64; 2]], across: Across) -> Result<Ve
     let mut before = 0.0;
     let stress = |[time, strain]: &[f64; 2]| {
         if !(time.is_finite() && *time >= before) {
-            return Err(PullError::Time { time: *time, before });
+            return Err(PullError::Other(format!(
+                "expected times from zero on that do not go back, found {time} s after {before} s"
+            )));
         }
         let dt = time - before;
         before = *time;
@@ -161,7 +143,8 @@ impl SingleElement {
         let (Some(stretch), Outline::Rectangle { x, y }, [face]) =
             (loading::stretch(model), &model.specimen.shape, &model.faces[..])
         else {
-            return Err(PullError::NotAStretch);
+            let message = "only a scenario with `[loading.stretch]` can be pulled: there is no direction without it";
+            return Err(PullError::Other(message.to_owned()));
         };
         let face =
             Face { meshing: Meshing { element: face.meshing.element, size: x.max(*y), grading: None }, ..face.clone() };
@@ -208,7 +191,7 @@ impl SingleElement {
     /// Nominal stress (Pa) at `strain`, reached within `dt` (s).
     fn stress(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
         if !(strain.is_finite() && strain > -1.0) {
-            return Err(PullError::Strain { strain });
+            return Err(PullError::Other(format!("expected an engineering strain above -1, found {strain}")));
         }
         let (steps, before) = (self.steps(strain, across), self.strain);
         let (change, dt) = ((strain - before) / steps as f64, dt / steps as f64);
@@ -221,7 +204,8 @@ impl SingleElement {
     /// Force (N) along the film at `strain`, reached in one step within `dt` (s).
     fn step(&mut self, strain: f64, dt: f64, across: Across) -> Result<f64, PullError> {
         let (along, before) = (1.0 + strain, [self.width, self.shear]);
-        let free = |found: Option<[f64; 2]>| found.ok_or(PullError::NoWidth { strain });
+        let no_width = || PullError::Other(format!("no width of the film is in equilibrium at the strain {strain}"));
+        let free = |found: Option<[f64; 2]>| found.ok_or_else(no_width);
         [self.width, self.shear] = match across {
             Across::Held => [1.0, 0.0],
             Across::Strip => free(self.free_sides(along, dt).or_else(|| self.free_sides_by_brackets(along, dt)))?,

@@ -1,15 +1,18 @@
-//! Where the springs on which film hangs are attached to its edges (theory.md, section 29).
+//! Where the springs on which film hangs are attached to its edges (theory.md, section 29), and what they
+//! make of the time step.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::fault::RunError;
-use super::film::FilmSpring;
-use super::prestress;
+use super::mount;
+use super::outcome::FilmSpring;
 use crate::mesh::{self, Mesh};
 use crate::model::{Face, Model, Springs as Written};
-use membrane::engine::Spring;
+use base::number::significant;
+use membrane::engine::{Engine, Spring};
 
 /// Share of a spring, of a piece of edge or of the extent of film that is round-off.
 const ROUND_OFF: f64 = 1e-6;
@@ -34,7 +37,7 @@ struct Run {
 /// all, to `springs`, which are those of the faces before it; how they look.
 ///
 /// # Errors
-/// [`RunError::NoHeldEdge`], [`RunError::SpringsUneven`], [`RunError::SpringTooShort`].
+/// [`RunError::Mounting`]: no edge is held, springs cannot be spread evenly, or one is too short.
 pub(super) fn mount(
     springs: &mut Vec<Spring>,
     (model, written): (&Model, &Written),
@@ -46,8 +49,10 @@ pub(super) fn mount(
     let Some(face) = model.faces.get(faces - 1) else { return Ok(vec![]) };
     let (runs, before) = (runs(pieces(mesh, held), mesh), springs.len());
     if runs.is_empty() {
-        return Err(RunError::NoHeldEdge { face: faces });
+        let message = format!("face {faces} has no held edge on which springs stand");
+        return Err(RunError::at_key("frame.hold", message, "name sides that are edges, or hold \"all\""));
     }
+    let (length, stiffness, preload) = (written.length.0, written.stiffness.0, written.preload.map(|force| force.0));
     let count = f64::from(written.count) / model.specimen.symmetry.copies();
     for (run, count) in runs.iter().zip(counts(&runs, count as usize)?) {
         let spacing = run.length() / count as f64;
@@ -55,16 +60,22 @@ pub(super) fn mount(
             let (place, share) = run.at(run.start + (number as f64 + 0.5) * spacing);
             let (piece, shares) = (&run.pieces[place], [1.0 - share, share]);
             let (outward, pull) = outward(face, run.normals(place, share));
-            let force = written.preload.unwrap_or_else(|| (pull * spacing).max(0.0));
-            let elongation = force / written.stiffness;
-            if elongation >= written.length {
-                return Err(RunError::SpringTooShort { face: faces, force, elongation });
+            let force = preload.unwrap_or_else(|| (pull * spacing).max(0.0));
+            let elongation = force / stiffness;
+            if elongation >= length {
+                let (force, elongation) = (significant(force, 4), significant(1e3 * elongation, 4));
+                let message = format!(
+                    "the pre-strain of face {faces} pulls at a spring of the frame with {force} N, which elongates it by \
+                     {elongation} mm: more than its length"
+                );
+                let hint = "use stiffer or more springs, a larger `length` or less pre-strain, or give a `preload`";
+                return Err(RunError::at_key("frame.springs.length", message, hint));
             }
             let lift = Vector3::z() * face.height;
             let end = piece.from.coords * shares[0] + piece.to.coords * shares[1] + lift;
-            let anchor = Point3::from(end + outward * written.length);
+            let anchor = Point3::from(end + outward * length);
             let nodes = piece.nodes.map(|node| first + node as usize);
-            springs.push(Spring { nodes, shares, anchor, unstretched: written.length - elongation });
+            springs.push(Spring { nodes, shares, anchor, unstretched: length - elongation });
         }
     }
     let shown = |spring: &Spring| FilmSpring {
@@ -81,7 +92,7 @@ fn outward(face: &Face, normals: [Vector3<f64>; 2]) -> (Vector3<f64>, f64) {
     let [one, other] = normals;
     // Between the nodes of straight edge as that has it, to the bit.
     let bisector = if one == other { one } else { (one + other).try_normalize(0.0).unwrap_or(one) };
-    let pulls = normals.map(|normal| prestress::line_force(face, &normal.xy()).dot(&bisector.xy()));
+    let pulls = normals.map(|normal| mount::line_force(face, &normal.xy()).dot(&bisector.xy()));
     (bisector, 0.5 * (pulls[0] + pulls[1]))
 }
 
@@ -153,7 +164,7 @@ fn start_of(closed: &[Piece], near: f64) -> f64 {
 /// rounded up.
 ///
 /// # Errors
-/// [`RunError::SpringsUneven`] where equal runs would have to differ.
+/// [`RunError::Mounting`] where equal runs would have to differ.
 fn counts(runs: &[Run], count: usize) -> Result<Vec<usize>, RunError> {
     let length: f64 = runs.iter().map(Run::length).sum();
     let exact: Vec<f64> = runs.iter().map(|run| count as f64 * run.length() / length + ROUND_OFF).collect();
@@ -165,7 +176,10 @@ fn counts(runs: &[Run], count: usize) -> Result<Vec<usize>, RunError> {
     let is_tie = (1..runs.len()).contains(&missing)
         && (remainder(&order[missing - 1]) - remainder(&order[missing])).abs() < ROUND_OFF;
     if is_tie {
-        return Err(RunError::SpringsUneven { count, edges: runs.len() });
+        let edges = runs.len();
+        let message = format!("{count} springs cannot be spread evenly over {edges} held edges of the computed part");
+        let hint = format!("use a multiple of {edges} springs on the computed part");
+        return Err(RunError::at_key("frame.springs.count", message, hint));
     }
     order.iter().take(missing).for_each(|run| whole[*run] += 1);
     Ok(whole)
@@ -213,5 +227,32 @@ impl Run {
             place
         };
         [place, other].map(|place| self.pieces[place].outward())
+    }
+}
+
+/// The time step of film on springs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpringStep {
+    /// On its springs, s.
+    pub step: f64,
+    /// Without them, s.
+    pub free: f64,
+}
+
+impl SpringStep {
+    /// The key that bounds the step.
+    pub const KEY: &str = "frame.springs.stiffness";
+
+    /// Step without springs over that with them, above which these are what a run takes long for.
+    const MUCH: f64 = 4.0;
+
+    /// That of an engine before its first step; none where its film hangs on no springs.
+    pub fn of_engine(engine: &Engine) -> Option<SpringStep> {
+        Some(SpringStep { step: engine.time_step(), free: engine.time_step_without_springs()? })
+    }
+
+    /// Whether the springs shorten the step much.
+    pub fn is_much_shorter(&self) -> bool {
+        self.free > SpringStep::MUCH * self.step
     }
 }

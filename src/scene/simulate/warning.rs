@@ -4,75 +4,60 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::spring_step::SpringStep;
+use super::springs::SpringStep;
 use crate::mesh::Quality;
 use crate::model::{ImpactorShape, Model};
-use base::findings;
-use base::number;
+use base::{findings, number};
 use membrane::engine::Relaxation;
 
-/// The body that a warning is about: the only impactor, one of several by its name, or the bars of the frame.
+/// The body that a warning is about.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ImpactorName(Name);
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Name {
+pub enum ImpactorName {
+    /// The only impactor of a scene.
     Only,
+    /// One of several.
     OfSeveral(String),
+    /// The bars of the frame.
     Bars,
 }
 
 impl ImpactorName {
-    /// The only one of a scene.
-    pub fn only() -> ImpactorName {
-        ImpactorName(Name::Only)
-    }
-
-    /// The bars of the frame.
-    pub(super) fn bars() -> ImpactorName {
-        ImpactorName(Name::Bars)
-    }
-
     /// The name of the impactor at this place among those of `model`.
     pub(super) fn of_impactor(model: &Model, place: usize) -> ImpactorName {
-        ImpactorName::named(model.names().get(place).copied().flatten())
-    }
-
-    /// The only one, or that of this name.
-    pub(super) fn named(name: Option<&str>) -> ImpactorName {
-        ImpactorName(name.map_or(Name::Only, |name| Name::OfSeveral(name.to_owned())))
+        let name = model.names().get(place).copied().flatten();
+        name.map_or(ImpactorName::Only, |name| ImpactorName::OfSeveral(name.to_owned()))
     }
 
     /// Its name among the figures.
     fn figure(&self) -> Option<(&'static str, &str)> {
-        match &self.0 {
-            Name::Only => None,
-            Name::OfSeveral(name) => Some(("impactor", name)),
-            Name::Bars => Some(("body", "frame.bars")),
+        match self {
+            ImpactorName::Only => None,
+            ImpactorName::OfSeveral(name) => Some(("impactor", name)),
+            ImpactorName::Bars => Some(("body", "frame.bars")),
         }
     }
 
     /// As the owner of something.
     fn possessive(&self) -> String {
-        match &self.0 {
-            Name::Only => "the impactor's".to_owned(),
-            Name::OfSeveral(name) => format!("the \"{name}\" impactor's"),
-            Name::Bars => "the frame's bars'".to_owned(),
+        match self {
+            ImpactorName::Only => "the impactor's".to_owned(),
+            ImpactorName::OfSeveral(name) => format!("the \"{name}\" impactor's"),
+            ImpactorName::Bars => "the frame's bars'".to_owned(),
         }
     }
 
     /// In the possessive form of a pronoun.
     fn its(&self) -> &'static str {
-        if self.0 == Name::Bars { "their" } else { "its" }
+        if *self == ImpactorName::Bars { "their" } else { "its" }
     }
 }
 
 impl fmt::Display for ImpactorName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            Name::Only => f.write_str("the impactor"),
-            Name::OfSeveral(name) => write!(f, "the impactor \"{name}\""),
-            Name::Bars => f.write_str("the frame's bars"),
+        match self {
+            ImpactorName::Only => f.write_str("the impactor"),
+            ImpactorName::OfSeveral(name) => write!(f, "the impactor \"{name}\""),
+            ImpactorName::Bars => f.write_str("the frame's bars"),
         }
     }
 }
@@ -514,7 +499,7 @@ mod tests {
         for (size, in_words, in_name) in
             [(BodySize::Radius, "radius", "radius"), (BodySize::HalfExtent, "half smallest extent", "half_extent")]
         {
-            let impactor = ImpactorName::only;
+            let impactor = || ImpactorName::Only;
             let coarse = Finding::new(&Warning::CoarseContact { impactor: impactor(), time: 0.01, edge: 0.4, size });
             assert!(coarse.message.contains(&format!("0.40 of the impactor's {in_words}")), "{}", coarse.message);
             assert_eq!(coarse.figures[&format!("edge_over_{in_name}")], 0.4);

@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn the_remedy_of_coarse_elements_names_what_gives_their_size() {
         let warning =
-            Warning::CoarseContact { impactor: ImpactorName::only(), time: 0.01, edge: 0.4, size: BodySize::Radius };
+            Warning::CoarseContact { impactor: ImpactorName::Only, time: 0.01, edge: 0.4, size: BodySize::Radius };
         let mut model = model();
         let mut finer = model.faces[0].clone();
         finer.meshing.size *= 0.5;

@@ -18,7 +18,7 @@ use base::finding::Finding;
 pub use bindings::{REFERENCE, register};
 pub use remaining::RemainingWork;
 pub use results::SweepResults;
-use scene::model::{self, Factor, Input, Model, Point, Points, PointsError, Variation};
+use scene::model::{self, Factor, Input, Model, Point, Points, Variation};
 use scene::scenario::Document;
 use scene::simulate;
 pub use statistics::{Effect, Effects, Quantiles};
@@ -47,7 +47,7 @@ pub enum SweepError {
     /// Nothing varies.
     NothingVaries,
     /// Its points cannot be chosen.
-    Points(PointsError),
+    Points(Diagnostic),
     /// Its evaluation cannot be prepared.
     Prepare(PrepareError),
 }

@@ -5,8 +5,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use super::fault::{Fault, MshFault};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError, fault};
 use base::file;
 
 /// Longest file that is read, bytes.
@@ -18,22 +17,26 @@ const QUAD: u64 = 3;
 const LINES: [(u64, usize); 4] = [(1, 2), (8, 3), (15, 1), (26, 4)];
 
 /// The triangles and quadrilaterals of the file.
-pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let bytes = file::read(path, MOST_BYTES)?;
     // Names of groups may be in any encoding; what is read is ASCII.
-    Ok(parse(&String::from_utf8_lossy(&bytes))?)
+    parse(&String::from_utf8_lossy(&bytes))
 }
 
-fn parse(text: &str) -> Result<Mesh, MshFault> {
+fn parse(text: &str) -> Result<Mesh, MeshError> {
     let mut words = section(text, "MeshFormat")?;
     let (version, binary) = (words.text()?, words.whole()?);
     if binary != 0 {
-        return Err(MshFault::Binary);
+        return Err(fault!("the file is binary; export it as ASCII (in Gmsh: Mesh.Binary = 0)"));
     }
     let layout = match version {
         "2" | "2.1" | "2.2" => Layout::Listed,
         "4.1" => Layout::Blocks,
-        _ => return Err(MshFault::Version { version: version.to_owned() }),
+        _ => {
+            return Err(fault!(
+                "version {version} of the format is not supported; export 2.2 or 4.1 (in Gmsh: Mesh.MshFileVersion)"
+            ));
+        }
     };
     let mut mesh = Mesh::default();
     let numbers = nodes(&mut section(text, "Nodes")?, layout, &mut mesh)?;
@@ -51,14 +54,14 @@ enum Layout {
 }
 
 /// Reads the nodes; their indices by their tags.
-fn nodes(words: &mut Words<'_>, layout: Layout, mesh: &mut Mesh) -> Result<HashMap<u64, u32>, MshFault> {
+fn nodes(words: &mut Words<'_>, layout: Layout, mesh: &mut Mesh) -> Result<HashMap<u64, u32>, MeshError> {
     let mut numbers = HashMap::new();
     let mut add = |tag: u64, point: Point3<f64>| {
         let next = mesh.nodes.len() as u32;
         mesh.nodes.push(point);
         match numbers.insert(tag, next) {
             None => Ok(()),
-            Some(_) => Err(MshFault::Twice { tag }),
+            Some(_) => Err(fault!("two nodes have the tag {tag}")),
         }
     };
     match layout {
@@ -91,7 +94,7 @@ fn elements(
     layout: Layout,
     numbers: &HashMap<u64, u32>,
     mesh: &mut Mesh,
-) -> Result<(), MshFault> {
+) -> Result<(), MeshError> {
     match layout {
         Layout::Listed => {
             for _ in 0..words.whole()? {
@@ -119,10 +122,10 @@ fn elements(
 }
 
 /// Reads the nodes of one element.
-fn element(words: &mut Words<'_>, kind: u64, numbers: &HashMap<u64, u32>, mesh: &mut Mesh) -> Result<(), MshFault> {
+fn element(words: &mut Words<'_>, kind: u64, numbers: &HashMap<u64, u32>, mesh: &mut Mesh) -> Result<(), MeshError> {
     let mut node = || {
         let tag = words.whole()?;
-        numbers.get(&tag).copied().ok_or(MshFault::NoNode { tag })
+        numbers.get(&tag).copied().ok_or_else(|| fault!("an element refers to node {tag}, which is missing"))
     };
     if kind == TRIANGLE {
         mesh.tris.push([node()?, node()?, node()?]);
@@ -130,14 +133,16 @@ fn element(words: &mut Words<'_>, kind: u64, numbers: &HashMap<u64, u32>, mesh: 
         mesh.quads.push([node()?, node()?, node()?, node()?]);
     } else {
         let line = LINES.iter().find(|(line, _)| *line == kind);
-        let (_, corners) = line.ok_or(MshFault::Element { kind })?;
+        let (_, corners) = line.ok_or_else(|| {
+            fault!("expected triangles (2) and quadrilaterals (3), found Gmsh type {kind}; mesh the surface alone, of order 1")
+        })?;
         (0..*corners).try_for_each(|_| node().map(|_| ()))?;
     }
     Ok(())
 }
 
 /// The words between `$name` and `$Endname`.
-fn section<'a>(text: &'a str, name: &'static str) -> Result<Words<'a>, MshFault> {
+fn section<'a>(text: &'a str, name: &'static str) -> Result<Words<'a>, MeshError> {
     let is = |line: &str, prefix: &str| line.trim().strip_prefix(prefix) == Some(name);
     let mut start = None;
     let mut at = 0;
@@ -151,7 +156,7 @@ fn section<'a>(text: &'a str, name: &'static str) -> Result<Words<'a>, MshFault>
         }
         at += line.len();
     }
-    Err(MshFault::Missing { section: name })
+    Err(fault!("`${name}` is missing"))
 }
 
 struct Words<'a> {
@@ -161,28 +166,29 @@ struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    fn text(&mut self) -> Result<&'a str, MshFault> {
-        self.words.next().ok_or(MshFault::Ends { section: self.name })
+    fn text(&mut self) -> Result<&'a str, MeshError> {
+        self.words.next().ok_or_else(|| fault!("`${}` ends too early", self.name))
     }
 
-    fn parsed<T: std::str::FromStr>(&mut self) -> Result<T, MshFault> {
+    fn parsed<T: std::str::FromStr>(&mut self) -> Result<T, MeshError> {
         let text = self.text()?;
-        text.parse().map_err(|_| MshFault::Number { text: text.chars().take(40).collect(), section: self.name })
+        let shown = || text.chars().take(40).collect::<String>();
+        text.parse().map_err(|_| fault!("expected a number in `${}`, found `{}`", self.name, shown()))
     }
 
-    fn whole(&mut self) -> Result<u64, MshFault> {
+    fn whole(&mut self) -> Result<u64, MeshError> {
         self.parsed()
     }
 
-    fn point(&mut self) -> Result<Point3<f64>, MshFault> {
+    fn point(&mut self) -> Result<Point3<f64>, MeshError> {
         Ok(Point3::new(self.parsed()?, self.parsed()?, self.parsed()?))
     }
 
-    fn list(&mut self, count: u64) -> Result<Vec<u64>, MshFault> {
+    fn list(&mut self, count: u64) -> Result<Vec<u64>, MeshError> {
         (0..count).map(|_| self.whole()).collect()
     }
 
-    fn skip(&mut self, count: u64) -> Result<(), MshFault> {
+    fn skip(&mut self, count: u64) -> Result<(), MeshError> {
         (0..count).try_for_each(|_| self.text().map(|_| ()))
     }
 }

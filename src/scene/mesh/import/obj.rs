@@ -4,15 +4,14 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use super::Fault;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError, fault};
 use base::file;
 
 /// Longest file that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// The triangles and quadrilaterals of the file; objects do not share nodes yet.
-pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     let text = file::read(path, MOST_BYTES)?;
     let used: Vec<&[u8]> = text.split_inclusive(|byte| *byte == b'\n').filter(|line| is_used(line)).collect();
@@ -32,7 +31,7 @@ fn is_used(line: &[u8]) -> bool {
     !matches!(word, Some("vn" | "vt"))
 }
 
-fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Result<(), Fault> {
+fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Result<(), MeshError> {
     let first = mesh.nodes.len() as u32;
     let point = |p: &[f64]| Point3::new(p[0], p[1], p[2]);
     mesh.nodes.extend(part.positions.chunks_exact(3).map(point));
@@ -49,8 +48,7 @@ fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Result<(), Fault> {
             [a, b, c] => mesh.tris.push([a, b, c]),
             [a, b, c, d] => mesh.quads.push([a, b, c, d]),
             _ => {
-                let corners = face.len();
-                return Err(Fault::Corners { corners });
+                return Err(fault!("expected triangles and quadrilaterals, found a face with {} corners", face.len()));
             }
         }
         rest = after;

@@ -8,7 +8,8 @@ use nalgebra::Point2;
 use roxmltree::{Document, Node};
 use svgtypes::{Length, LengthUnit, PathParser, PathSegment, PointsParser, Transform, ViewBox};
 
-use super::drawing::{Drawing, DrawingFault};
+use super::drawing::Drawing;
+use crate::mesh::{MeshError, fault};
 
 /// Most distance between a curve and its chords over the extent of the path.
 const TOLERANCE: f64 = 5e-5;
@@ -22,8 +23,8 @@ const NOTES: [&str; 8] = ["title", "desc", "metadata", "style", "defs", "text", 
 /// The lines of a file.
 ///
 /// # Errors
-/// [`DrawingFault`].
-pub(super) fn read(text: &[u8]) -> Result<Drawing, DrawingFault> {
+/// [`MeshError`].
+pub(super) fn read(text: &[u8]) -> Result<Drawing, MeshError> {
     let text = String::from_utf8_lossy(text);
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
     let document = Document::parse_with_options(&text, options)?;
@@ -34,7 +35,7 @@ pub(super) fn read(text: &[u8]) -> Result<Drawing, DrawingFault> {
 }
 
 /// Length of a unit of the drawing, m, by its width and height; none where these have no unit of length.
-fn unit(root: &Node<'_, '_>) -> Result<Option<f64>, DrawingFault> {
+fn unit(root: &Node<'_, '_>) -> Result<Option<f64>, MeshError> {
     let view: Option<ViewBox> = attribute(root, "viewBox")?;
     let [width, height] = ["width", "height"].map(|name| attribute::<Length>(root, name));
     let metres = |length: Option<Length>| length.and_then(|length| Some(length.number * metres(length.unit)?));
@@ -44,7 +45,9 @@ fn unit(root: &Node<'_, '_>) -> Result<Option<f64>, DrawingFault> {
         return Ok(width.or(height).map(|_| PIXEL));
     };
     match (width.map(|width| width / w), height.map(|height| height / h)) {
-        (Some(x), Some(y)) if (x / y - 1.0).abs() > 1e-3 => Err(DrawingFault::Distorted),
+        (Some(x), Some(y)) if (x / y - 1.0).abs() > 1e-3 => {
+            Err(fault!("width and height of the drawing do not have the ratio of its viewBox"))
+        }
         (x, y) => Ok(x.or(y)),
     }
 }
@@ -65,7 +68,7 @@ fn metres(unit: LengthUnit) -> Option<f64> {
 }
 
 /// Draws the elements in `root`, whose coordinates `place` transforms.
-fn elements(root: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Result<(), DrawingFault> {
+fn elements(root: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Result<(), MeshError> {
     // The groups around the present element, each with the rest of its content: a file may nest more of them than a stack
     // has room for calls.
     let mut groups = vec![(root.children(), place)];
@@ -84,7 +87,7 @@ fn elements(root: &Node<'_, '_>, place: Affine, drawing: &mut Drawing) -> Result
             _ => {
                 let path = place * outline(&element)?;
                 if !reach(&path).is_some_and(|reach| reach <= FARTHEST) {
-                    return Err(DrawingFault::Far { line: line(&element) });
+                    return Err(fault!("line {}: a coordinate is larger than any drawing", line(&element)));
                 }
                 lines(path, drawing);
             }
@@ -135,15 +138,15 @@ fn is_hidden(element: &Node<'_, '_>) -> bool {
 }
 
 /// The lines of an element, in its own coordinates.
-fn outline(element: &Node<'_, '_>) -> Result<BezPath, DrawingFault> {
-    let number = |name: &str| -> Result<f64, DrawingFault> {
+fn outline(element: &Node<'_, '_>) -> Result<BezPath, MeshError> {
+    let number = |name: &str| -> Result<f64, MeshError> {
         match attribute::<Length>(element, name)? {
             None => Ok(0.0),
             Some(Length { number, unit: LengthUnit::None | LengthUnit::Px }) => Ok(number),
             Some(_) => Err(unreadable(element, name)),
         }
     };
-    let centre = || Ok::<Point, DrawingFault>(Point::new(number("cx")?, number("cy")?));
+    let centre = || Ok::<Point, MeshError>(Point::new(number("cx")?, number("cy")?));
     Ok(match element.tag_name().name() {
         "path" => {
             let data = element.attribute("d").unwrap_or_default();
@@ -186,7 +189,10 @@ fn outline(element: &Node<'_, '_>) -> Result<BezPath, DrawingFault> {
         "circle" => curved(&Circle::new(centre()?, number("r")?)),
         "ellipse" => curved(&Ellipse::new(centre()?, (number("rx")?, number("ry")?), 0.0)),
         other => {
-            return Err(DrawingFault::Element { element: other.to_owned(), line: line(element) });
+            return Err(fault!(
+                "line {}: <{other}> is not supported; draw outlines with path, polygon, polyline, line, rect, circle and ellipse",
+                line(element)
+            ));
         }
     })
 }
@@ -233,14 +239,13 @@ fn lines(path: BezPath, drawing: &mut Drawing) {
 }
 
 /// The value of an attribute; none where it is left out.
-fn attribute<T: FromStr>(element: &Node<'_, '_>, name: &str) -> Result<Option<T>, DrawingFault> {
+fn attribute<T: FromStr>(element: &Node<'_, '_>, name: &str) -> Result<Option<T>, MeshError> {
     let read = |text: &str| text.trim().parse().map_err(|_| unreadable(element, name));
     element.attribute(name).map(read).transpose()
 }
 
-fn unreadable(element: &Node<'_, '_>, attribute: &str) -> DrawingFault {
-    let element_name = element.tag_name().name().to_owned();
-    DrawingFault::Attribute { element: element_name, attribute: attribute.to_owned(), line: line(element) }
+fn unreadable(element: &Node<'_, '_>, attribute: &str) -> MeshError {
+    fault!("line {}: `{attribute}` of <{}> cannot be read", line(element), element.tag_name().name())
 }
 
 /// Line of the file in which an element begins, from 1.
@@ -252,7 +257,7 @@ fn line(element: &Node<'_, '_>) -> u32 {
 mod tests {
     use super::*;
 
-    fn drawn(elements: &str) -> Result<Drawing, DrawingFault> {
+    fn drawn(elements: &str) -> Result<Drawing, MeshError> {
         read(
             format!("<svg xmlns='http://www.w3.org/2000/svg' width='1mm' viewBox='0 0 1 1'>{elements}</svg>")
                 .as_bytes(),
@@ -278,8 +283,8 @@ mod tests {
             "<circle r='1e308' cx='1e308'/>",
             "<ellipse rx='1e308' ry='1e-300'/>",
         ] {
-            let fault = drawn(element).err();
-            let is_expected = matches!(fault, Some(DrawingFault::Far { .. } | DrawingFault::Attribute { .. }));
+            let fault = drawn(element).err().map(|fault| fault.to_string()).unwrap_or_default();
+            let is_expected = fault.ends_with("larger than any drawing") || fault.ends_with("cannot be read");
             assert!(is_expected, "{element}: {fault:?}");
         }
         let drawing = drawn("<path d='M9e11 1 c1e-4 0 0 1e-4 1e-4 1e-4 q1 1 -1 1 z'/>").unwrap();

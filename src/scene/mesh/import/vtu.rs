@@ -7,8 +7,7 @@ use base64::prelude::BASE64_STANDARD;
 use nalgebra::Point3;
 use roxmltree::{Document, Node};
 
-use super::fault::{Fault, VtuFault};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError, fault};
 use base::file;
 
 /// Longest file that is read, bytes.
@@ -20,17 +19,25 @@ const TRIANGLE: f64 = 5.0;
 const QUAD: f64 = 9.0;
 
 /// The triangles and quadrilaterals of all pieces of the file.
-pub(crate) fn read(path: &Path) -> Result<Mesh, Fault> {
+pub(crate) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let text = file::read_text(path, MOST_BYTES)?;
-    Ok(parse(&text)?)
+    parse(&text)
 }
 
-fn parse(text: &str) -> Result<Mesh, VtuFault> {
+fn parse(text: &str) -> Result<Mesh, MeshError> {
     let document = Document::parse(text)?;
     let file = document.root_element();
     if file.has_attribute("compressor") {
         let is_own = |node: Node| node.attribute("Name") == Some(SNAPSHOT_ARRAY);
-        return Err(if document.descendants().any(is_own) { VtuFault::Snapshot } else { VtuFault::Compressed });
+        return Err(if document.descendants().any(is_own) {
+            fault!(
+                "this is a snapshot of a run, with compressed arrays and mirror images that do not share nodes; give the mesh \
+                 of that run, or in ParaView apply Clean to Grid, which joins the nodes, and save it as VTU with data mode \
+                 ASCII"
+            )
+        } else {
+            fault!("the arrays are compressed; open the file in ParaView and save it as VTU with data mode ASCII")
+        });
     }
     let layout = Layout {
         big_endian: file.attribute("byte_order") == Some("BigEndian"),
@@ -47,7 +54,7 @@ fn parse(text: &str) -> Result<Mesh, VtuFault> {
     Ok(mesh)
 }
 
-fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), VtuFault> {
+fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), MeshError> {
     let first = mesh.nodes.len();
     let points = layout.numbers(child(child(piece, "Points")?, "DataArray")?)?;
     let point = |p: &[f64]| Point3::new(p[0], p[1], p[2]);
@@ -58,15 +65,20 @@ fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), VtuFault> 
     let offsets = layout.numbers(array(cells, "offsets")?)?;
     let kinds = layout.numbers(array(cells, "types")?)?;
     let nodes = connectivity.into_iter().map(|value| node_number(value, first)).collect::<Result<Vec<u32>, _>>()?;
+    let corners_of = |cell: usize| fault!("the corners of cell {cell} do not match its type or the connectivity");
     let mut start = 0;
     for (cell, (end, kind)) in offsets.into_iter().zip(kinds).enumerate() {
         let end = end as usize;
-        let corners = nodes.get(start..end).ok_or(VtuFault::Corners { cell })?;
+        let corners = nodes.get(start..end).ok_or_else(|| corners_of(cell))?;
         match (kind, corners) {
             (TRIANGLE, &[a, b, c]) => mesh.tris.push([a, b, c]),
             (QUAD, &[a, b, c, d]) => mesh.quads.push([a, b, c, d]),
-            (TRIANGLE | QUAD, _) => return Err(VtuFault::Corners { cell }),
-            _ => return Err(VtuFault::Cell { cell, kind }),
+            (TRIANGLE | QUAD, _) => return Err(corners_of(cell)),
+            _ => {
+                return Err(fault!(
+                    "expected triangles (5) and quadrilaterals (9), found VTK type {kind} in cell {cell}"
+                ));
+            }
         }
         start = end;
     }
@@ -74,25 +86,25 @@ fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), VtuFault> 
 }
 
 /// Number in the whole mesh of a node that its piece calls `value`.
-fn node_number(value: f64, first: usize) -> Result<u32, VtuFault> {
+fn node_number(value: f64, first: usize) -> Result<u32, MeshError> {
     let number = value + first as f64;
     if value >= 0.0 && value.fract() == 0.0 && number < f64::from(u32::MAX) {
         Ok(number as u32)
     } else {
-        Err(VtuFault::Node { value })
+        Err(fault!("expected a node number, found {value}"))
     }
 }
 
-fn child<'a, 'b>(parent: Node<'a, 'b>, element: &'static str) -> Result<Node<'a, 'b>, VtuFault> {
+fn child<'a, 'b>(parent: Node<'a, 'b>, element: &'static str) -> Result<Node<'a, 'b>, MeshError> {
     let mut children = parent.children();
     let found = children.find(|node| node.has_tag_name(element));
-    found.ok_or(VtuFault::Missing { element })
+    found.ok_or_else(|| fault!("`{element}` is missing"))
 }
 
-fn array<'a, 'b>(cells: Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 'b>, VtuFault> {
+fn array<'a, 'b>(cells: Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 'b>, MeshError> {
     let mut children = cells.children();
     let found = children.find(|node| node.attribute("Name") == Some(name));
-    found.ok_or(VtuFault::Missing { element: name })
+    found.ok_or_else(|| fault!("`{name}` is missing"))
 }
 
 /// How binary arrays of the file are laid out.
@@ -105,22 +117,24 @@ struct Layout {
 
 impl Layout {
     /// Values of a `DataArray`; whole numbers stay exact up to 2^53.
-    fn numbers(self, array: Node) -> Result<Vec<f64>, VtuFault> {
+    fn numbers(self, array: Node) -> Result<Vec<f64>, MeshError> {
         let text = array.text().unwrap_or_default();
         match array.attribute("format") {
             Some("ascii") | None => ascii(text),
             Some("binary") => self.binary(text, array.attribute("type").unwrap_or_default()),
-            Some(format) => Err(VtuFault::Format { format: format.to_owned() }),
+            Some(format) => {
+                Err(fault!("array format `{format}` is not supported; save the file as ASCII or as inline binary"))
+            }
         }
     }
 
-    fn binary(self, text: &str, kind: &str) -> Result<Vec<f64>, VtuFault> {
-        let decode = decoder(kind).ok_or_else(|| VtuFault::Type { kind: kind.to_owned() })?;
+    fn binary(self, text: &str, kind: &str) -> Result<Vec<f64>, MeshError> {
+        let decode = decoder(kind).ok_or_else(|| fault!("array type `{kind}` is not supported"))?;
         let bytes = BASE64_STANDARD.decode(text.trim())?;
         let values = bytes.get(self.header..).unwrap_or_default();
         let width = width(kind);
         if !values.len().is_multiple_of(width) {
-            return Err(VtuFault::Truncated { kind: kind.to_owned() });
+            return Err(fault!("an array of `{kind}` ends within a number"));
         }
         let little = |value: &[u8]| {
             let mut bytes = [0; 8];
@@ -134,8 +148,8 @@ impl Layout {
     }
 }
 
-fn ascii(text: &str) -> Result<Vec<f64>, VtuFault> {
-    let number = |word: &str| word.parse().map_err(|_| VtuFault::Number { text: word.to_owned() });
+fn ascii(text: &str) -> Result<Vec<f64>, MeshError> {
+    let number = |word: &str| word.parse().map_err(|_| fault!("expected a number, found `{word}`"));
     text.split_ascii_whitespace().map(number).collect()
 }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::Point2;
 use spade::InsertionError;
-use thiserror::Error;
 
 use super::Polygon;
+use crate::mesh::{MeshError, MeshErrorKind, fault};
 
 /// Least angle of a corner, rad: 5 degrees. No element at a narrower one is sound.
 const NARROWEST: f64 = 5.0 * std::f64::consts::PI / 180.0;
@@ -13,116 +13,33 @@ const SAME: f64 = 1e-9;
 /// Most corners of all loops.
 const MOST_CORNERS: usize = 20_000;
 
-/// Why a polygon is not the outline of a film. Loop 0 is the outline, the others are the holes; positions in m.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PolygonFault {
-    /// A loop has fewer than three corners or no area.
-    #[error("{} has no area", named(*.of))]
-    NoArea {
-        /// The loop.
-        of: usize,
-    },
-    /// A coordinate is not finite.
-    #[error("a coordinate of {} is not finite", named(*.of))]
-    NotFinite {
-        /// The loop.
-        of: usize,
-    },
-    /// There are too many corners.
-    #[error("the outline has {corners} corners; at most {MOST_CORNERS} are read")]
-    TooMany {
-        /// Their number.
-        corners: usize,
-    },
-    /// Two successive corners are one.
-    #[error("{} has the corner {} twice", named(*.of), millimetres(.at))]
-    Twice {
-        /// The loop.
-        of: usize,
-        /// The corner.
-        at: [f64; 2],
-    },
-    /// A corner is so narrow that no element fits.
-    #[error("the corner {} of {} has {:.1} degrees; at least 5 are meshed", millimetres(.at), named(*.of), .angle.to_degrees())]
-    Narrow {
-        /// The loop.
-        of: usize,
-        /// The corner.
-        at: [f64; 2],
-        /// rad.
-        angle: f64,
-    },
-    /// Two edges cross or touch each other.
-    #[error("{} near {}", crossing(.of), millimetres(.at))]
-    Crossing {
-        /// Their loops.
-        of: [usize; 2],
-        /// A place near it.
-        at: [f64; 2],
-    },
-    /// A hole is outside the outline, or in another hole.
-    #[error("{} lies outside the film", named(*.of))]
-    HoleOutside {
-        /// The loop.
-        of: usize,
-    },
-    /// A coordinate beyond those that can be triangulated.
-    #[error("the film cannot be triangulated: a coordinate is {}", refused(*.0))]
-    NotTriangulated(InsertionError),
-    /// A corner in the part that symmetry leaves out.
-    #[error("the corner {} lies beyond the mirror plane {axis} = 0; with symmetry the polygon is the part at {axis} >= 0", millimetres(.at))]
-    BeyondMirror {
-        /// Normal of the mirror plane.
-        axis: char,
-        /// The corner.
-        at: [f64; 2],
-    },
-    /// No edge lies on a mirror plane.
-    #[error("no edge lies on the mirror plane {axis} = 0")]
-    NotOnMirror {
-        /// Normal of the mirror plane.
-        axis: char,
-    },
+/// A fault of the loop `of`: 0 is the outline, the others are the holes.
+fn of_loop(of: usize, message: String) -> MeshError {
+    MeshError::new(of.checked_sub(1).map_or(MeshErrorKind::Outline, MeshErrorKind::Hole), message)
 }
 
-impl PolygonFault {
-    /// The hole that is at fault, counted from 0; none for the outline.
-    pub fn hole(&self) -> Option<usize> {
-        match self {
-            PolygonFault::NoArea { of }
-            | PolygonFault::NotFinite { of }
-            | PolygonFault::Twice { of, .. }
-            | PolygonFault::Narrow { of, .. }
-            | PolygonFault::HoleOutside { of }
-            | PolygonFault::Crossing { of: [_, of], .. } => of.checked_sub(1),
-            PolygonFault::TooMany { .. }
-            | PolygonFault::NotTriangulated(_)
-            | PolygonFault::BeyondMirror { .. }
-            | PolygonFault::NotOnMirror { .. } => None,
-        }
-    }
+/// Two edges of loops that cross or touch each other, near a place.
+fn crossing([a, b]: [usize; 2], at: [f64; 2]) -> MeshError {
+    let cross =
+        if a == b { format!("{} crosses itself", named(a)) } else { format!("{} and {} cross", named(a), named(b)) };
+    of_loop(b, format!("{cross} near {}", millimetres(at)))
 }
 
-fn crossing(of: &[usize; 2]) -> String {
-    match of {
-        [a, b] if a == b => format!("{} crosses itself", named(*a)),
-        [a, b] => format!("{} and {} cross", named(*a), named(*b)),
-    }
-}
-
-fn refused(error: InsertionError) -> &'static str {
-    match error {
+/// A coordinate beyond those that can be triangulated.
+pub(super) fn not_triangulated(error: InsertionError) -> MeshError {
+    let coordinate = match error {
         InsertionError::TooSmall => "too close to zero",
         InsertionError::TooLarge => "too large",
         InsertionError::NAN => "not a number",
-    }
+    };
+    fault!("the film cannot be triangulated: a coordinate is {coordinate}")
 }
 
 fn named(of: usize) -> String {
     if of == 0 { "the outline".into() } else { format!("hole {of}") }
 }
 
-fn millimetres([x, y]: &[f64; 2]) -> String {
+fn millimetres([x, y]: [f64; 2]) -> String {
     format!("({:.4} mm, {:.4} mm)", 1e3 * x, 1e3 * y)
 }
 
@@ -131,10 +48,10 @@ impl Polygon {
     ///
     /// # Errors
     /// The first fault.
-    pub fn check(&self, mirrored: [bool; 2]) -> Result<(), PolygonFault> {
-        let corners = self.loops().map(<[_]>::len).sum();
+    pub fn check(&self, mirrored: [bool; 2]) -> Result<(), MeshError> {
+        let corners: usize = self.loops().map(<[_]>::len).sum();
         if corners > MOST_CORNERS {
-            return Err(PolygonFault::TooMany { corners });
+            return Err(fault!("the outline has {corners} corners; at most {MOST_CORNERS} are read"));
         }
         let same = SAME * self.extent();
         for (of, corners) in self.loops().enumerate() {
@@ -145,26 +62,29 @@ impl Polygon {
             let others = self.loops().enumerate().filter(|(other, _)| *other != of);
             // In the outline and in no other hole.
             if others.filter(|(_, corners)| is_inside(corners, hole[0])).map(|(other, _)| other).ne([0]) {
-                return Err(PolygonFault::HoleOutside { of });
+                return Err(of_loop(of, format!("{} lies outside the film", named(of))));
             }
         }
         (0..2).filter(|axis| mirrored[*axis]).try_for_each(|axis| self.mirror(axis, same))
     }
 
-    fn mirror(&self, axis: usize, same: f64) -> Result<(), PolygonFault> {
+    fn mirror(&self, axis: usize, same: f64) -> Result<(), MeshError> {
         let name = ['x', 'y'][axis];
         if let Some(at) = self.loops().flatten().find(|corner| corner[axis] < -same) {
-            return Err(PolygonFault::BeyondMirror { axis: name, at: *at });
+            return Err(fault!(
+                "the corner {} lies beyond the mirror plane {name} = 0; with symmetry the polygon is the part at {name} >= 0",
+                millimetres(*at)
+            ));
         }
         let on_plane = |[a, b]: [[f64; 2]; 2]| a[axis].abs() <= same && b[axis].abs() <= same;
         match edges(&self.outer).any(on_plane) {
             true => Ok(()),
-            false => Err(PolygonFault::NotOnMirror { axis: name }),
+            false => Err(fault!("no edge lies on the mirror plane {name} = 0")),
         }
     }
 
     /// No two edges have a point in common but the corner between neighbours.
-    fn crossings(&self) -> Result<(), PolygonFault> {
+    fn crossings(&self) -> Result<(), MeshError> {
         let mut all: Vec<Edge> = vec![];
         for (of, corners) in self.loops().enumerate() {
             let count = corners.len();
@@ -176,10 +96,7 @@ impl Polygon {
             let near = all[first + 1..].iter().take_while(|other| other.low() <= edge.high());
             for other in near.filter(|other| !edge.is_beside(other)) {
                 if cross(edge.ends, other.ends) {
-                    return Err(PolygonFault::Crossing {
-                        of: [edge.of.min(other.of), edge.of.max(other.of)],
-                        at: other.ends[0],
-                    });
+                    return Err(crossing([edge.of.min(other.of), edge.of.max(other.of)], other.ends[0]));
                 }
             }
         }
@@ -211,9 +128,9 @@ impl Edge {
 }
 
 /// Corners of one loop: at least three, none twice, none too narrow.
-fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), PolygonFault> {
+fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), MeshError> {
     if !corners.iter().flatten().all(|coordinate| coordinate.is_finite()) {
-        return Err(PolygonFault::NotFinite { of });
+        return Err(of_loop(of, format!("a coordinate of {} is not finite", named(of))));
     }
     let perimeter: f64 = edges(corners).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
     if corners.len() < 3 || signed_area(corners).abs() <= 1e-9 * perimeter * perimeter {
@@ -221,19 +138,23 @@ fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), PolygonFaul
         let all: Vec<_> = edges(corners).collect();
         let pairs =
             all.iter().enumerate().flat_map(|(first, edge)| all[first + 1..].iter().map(move |other| (edge, other)));
-        let crossing = pairs.into_iter().find_map(|(edge, other)| crossing_point(*edge, *other));
-        return Err(crossing.map_or(PolygonFault::NoArea { of }, |at| PolygonFault::Crossing { of: [of, of], at }));
+        let point = pairs.into_iter().find_map(|(edge, other)| crossing_point(*edge, *other));
+        let no_area = || of_loop(of, format!("{} has no area", named(of)));
+        return Err(point.map_or_else(no_area, |at| crossing([of, of], at)));
     }
     let count = corners.len();
     for place in 0..count {
         let point = |index: usize| Point2::from(corners[index % count]);
         let [before, here, next] = [point(place + count - 1), point(place), point(place + 1)];
         if (next - here).norm() <= same {
-            return Err(PolygonFault::Twice { of, at: corners[place] });
+            let at = millimetres(corners[place]);
+            return Err(of_loop(of, format!("{} has the corner {at} twice", named(of))));
         }
         let angle = (before - here).angle(&(next - here));
         if angle < NARROWEST {
-            return Err(PolygonFault::Narrow { of, at: corners[place], angle });
+            let (at, degrees) = (millimetres(corners[place]), angle.to_degrees());
+            let message = format!("the corner {at} of {} has {degrees:.1} degrees; at least 5 are meshed", named(of));
+            return Err(of_loop(of, message));
         }
     }
     Ok(())

@@ -1,16 +1,13 @@
 //! `[variation]`: what varies from run to run of a sweep, and the values of each run.
 
 mod factor;
-mod points;
-mod table;
-
-use uncertainty::correlation::{Correlation, CorrelationError};
 
 use super::ModelDiagnostics;
-use crate::scenario::{self, Document, Method};
+use crate::scenario::{self, Assignment, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
-pub use points::{Point, Points, PointsError};
+use uncertainty::correlation::{Correlation, CorrelationError};
+use uncertainty::design::{self, Levels, Method as Sampling};
 
 const METHOD: &str = "variation.method";
 const CORRELATION: &str = "variation.correlation";
@@ -73,7 +70,7 @@ pub(super) fn check(written: &scenario::Variation, mistakes: &mut ModelDiagnosti
             }
             let file = mistakes.file("variation.method.table")?;
             let span = mistakes.document.span("variation.method.table");
-            table::read(&file, &span, mistakes)
+            factor::read(&file, &span, mistakes)
         }
         _ => {
             let factor = |key| Factor::read(key, &mut *mistakes);
@@ -163,4 +160,123 @@ fn correlation(
     }
     let refused = |error: CorrelationError| mistakes.report(&format!("{CORRELATION}.matrix"), error.to_string());
     Correlation::new(&whole).map_err(refused).ok()
+}
+
+/// Most runs of a sweep.
+const MOST: usize = 1_000_000;
+
+/// The values of one run, in the order of the factors.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// A value of each factor.
+    pub levels: Vec<Level>,
+}
+
+/// Which values all runs of a sweep have; those of a run are made when it is at hand.
+#[derive(Clone, Debug)]
+pub enum Points {
+    /// The rows of a table, as many.
+    Rows(usize),
+    /// Places in the unit cube, of each factor the probability of at most its value.
+    Places(Vec<Vec<f64>>),
+}
+
+impl Points {
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        match self {
+            Points::Rows(count) => *count,
+            Points::Places(places) => places.len(),
+        }
+    }
+
+    /// Whether there are no runs.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Variation {
+    /// The points, of which there are `samples` in place of the number that is written.
+    ///
+    /// # Errors
+    /// Their number is not known, or the method does not suit the factors.
+    pub fn points(&self, samples: Option<usize>) -> Result<Points, Diagnostic> {
+        let listed = self.listed();
+        let count = match (listed, samples) {
+            (Some(listed), Some(samples)) if samples != listed => {
+                let message = format!("the variation has {listed} runs, which `-n` does not change");
+                return Err(
+                    Diagnostic::new(message).hint("leave `-n` out, or choose another method: method = \"sobol\"")
+                );
+            }
+            (Some(listed), _) => listed,
+            (None, samples) => samples.or(self.samples).ok_or_else(|| {
+                Diagnostic::new("the number of runs is not given")
+                    .hint("write samples = 200 in [variation], or give -n 200")
+            })?,
+        };
+        if count > MOST {
+            return Err(Diagnostic::new(format!("the variation has more than {MOST} runs")));
+        }
+        if let Method::Table(_) = self.method {
+            return Ok(Points::Rows(count));
+        }
+        let mut chosen = design::points(self.sampling(), &self.levels(), count, self.seed)
+            .map_err(|error| Diagnostic::new(error.to_string()))?;
+        if let Some(correlation) = &self.correlation {
+            chosen.iter_mut().for_each(|point| *point = correlation.apply(point));
+        }
+        Ok(Points::Places(chosen))
+    }
+
+    /// The values of the run at `place` among `points`.
+    pub fn point(&self, points: &Points, place: usize) -> Point {
+        match points {
+            Points::Rows(_) => Point { levels: self.factors.iter().map(|factor| factor.level(place)).collect() },
+            Points::Places(places) => self.point_at(&places[place]),
+        }
+    }
+
+    /// The changes of the scenario that make it the one of a run.
+    pub fn assignments(&self, point: &Point) -> Vec<Assignment> {
+        self.factors.iter().zip(&point.levels).map(|(factor, level)| factor.assignment(level)).collect()
+    }
+
+    /// Number of runs, where the scenario says it.
+    pub fn runs(&self) -> Option<usize> {
+        self.listed().or(self.samples)
+    }
+
+    /// Number of runs of a grid or a table.
+    fn listed(&self) -> Option<usize> {
+        let counts = || self.factors.iter().map(|factor| factor.values.count().unwrap_or(1));
+        match self.method {
+            Method::Grid => Some(counts().fold(1, usize::saturating_mul)),
+            Method::Table(_) => counts().next(),
+            Method::LatinHypercube | Method::Sobol | Method::Random => None,
+        }
+    }
+
+    fn sampling(&self) -> Sampling {
+        match self.method {
+            Method::Grid | Method::Table(_) => Sampling::Grid,
+            Method::LatinHypercube => Sampling::LatinHypercube,
+            Method::Sobol => Sampling::Sobol,
+            Method::Random => Sampling::Random,
+        }
+    }
+
+    fn levels(&self) -> Vec<Levels> {
+        let levels = |factor: &Factor| factor.values.count().map_or(Levels::Continuous, Levels::Count);
+        self.factors.iter().map(levels).collect()
+    }
+
+    fn point_at(&self, place: &[f64]) -> Point {
+        let at = |(factor, place): (&Factor, &f64)| match &factor.values {
+            Values::Levels(levels) => factor.level((place * levels.len() as f64) as usize),
+            Values::Distribution(distribution) => factor.number(distribution.quantile(*place)),
+        };
+        Point { levels: self.factors.iter().zip(place).map(at).collect() }
+    }
 }

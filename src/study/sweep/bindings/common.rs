@@ -59,7 +59,7 @@ pub(super) fn refused(error: SweepError) -> Box<rhai::EvalAltResult> {
     refuse(match error {
         SweepError::Scenario(mistakes) => crate::sweep::refusal(&mistakes, &[]),
         SweepError::NothingVaries => "nothing varies: give `vary`, or a scenario with [variation]".into(),
-        SweepError::Points(error) => error.to_string(),
+        SweepError::Points(mistake) => mistake.message,
         SweepError::Prepare(error) => error.to_string(),
     })
 }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::Indent;
+use super::loading::Indent;
+use super::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
 use crate::mesh::{Outline, Side};
-use crate::model::{Face, Hold, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Symmetry};
 
 const DEPTH: &str = "loading.indent.depth";
 
@@ -13,7 +13,7 @@ const SPANS: f64 = 3.0;
 
 /// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
 /// would reach the frame.
-pub fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
+pub(super) fn check(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
     let (Loading::Indent(Indent { depth, .. }), Some(impactor)) = (&model.loading, model.impactor()) else { return };
     // What follows is of an upright impactor.
     if impactor.orientation != [0.0; 3] {
@@ -105,12 +105,7 @@ impl Spans<'_> {
                 let across = to(0.5 * width, x, dx, [Side::XMinus, Side::XPlus]);
                 let along = to(0.5 * height, y, dy, [Side::YMinus, Side::YPlus]);
                 let (length, side) = if across.0 < along.0 { across } else { along };
-                let held = match self.hold {
-                    Hold::All => true,
-                    Hold::Sides(sides) => sides.contains(&side),
-                    Hold::None => false,
-                };
-                held.then_some(length)
+                self.hold.holds(side).then_some(length)
             }
             Outline::Polygon(_) | Outline::Mesh { .. } => None,
         }
