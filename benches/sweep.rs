@@ -12,6 +12,7 @@ use std::time::Instant;
 use droptower::diagnostic;
 use droptower::evaluate::Evaluations;
 use droptower::scenario::{Assignment, Document};
+use droptower::store::EvaluationStore;
 use droptower::sweep::{Done, Event, Stop, Sweep, SweepResults, Work};
 
 /// Runs of the sweep.
@@ -29,7 +30,7 @@ fn main() {
     let first = timed(&sweep, folder.path(), Some((STOPPED * runs as f64) as usize));
     let second = timed(&sweep, folder.path(), None);
     let begin = Instant::now();
-    let evaluations = Evaluations::open(folder.path()).expect("records");
+    let evaluations = Evaluations::new(folder.path());
     let results = SweepResults::from_evaluations(&sweep, &second.done, &evaluations).expect("results");
     let csv = droptower::table::to_csv(&results.table.columns).expect("a table");
     let gathered = begin.elapsed().as_secs_f64();
@@ -42,11 +43,8 @@ fn main() {
     row("until the first run is computed, s", &|timed| format!("{:.2}", timed.taken_up));
     row("resident memory after 100 runs, MB", &|timed| format!("{:.1}", timed.memory[0]));
     row("resident memory at the end, MB", &|timed| format!("{:.1}", timed.memory[1]));
-    let bytes: u64 = fs::read_dir(folder.path())
-        .expect("a folder")
-        .flatten()
-        .map(|file| file.metadata().map_or(0, |about| about.len()))
-        .sum();
+    let stored = EvaluationStore::list(folder.path()).expect("records");
+    let bytes: u64 = stored.iter().map(|build| build.bytes).sum();
     println!(
         "\n{:.0} bytes of records a run; table of {} bytes a run, gathered in {gathered:.2} s",
         bytes as f64 / runs as f64,
@@ -71,7 +69,7 @@ impl Timed {
 
 /// The sweep with records in `folder`, stopped after so many runs.
 fn timed(sweep: &Sweep, folder: &Path, stop_after: Option<usize>) -> Timed {
-    let evaluations = Evaluations::open(folder).expect("records");
+    let evaluations = Evaluations::new(folder);
     let stop = Stop::default();
     let work = Work { sweep, evaluations: &evaluations, waits: true, stop: &stop, gather: false };
     let (computed, early, taken_up) = (AtomicUsize::new(0), Mutex::new(0.0), Mutex::new(None));

@@ -5,7 +5,7 @@ use std::error::Error;
 use droptower::confidence::{Colour, Confidence, ConfidenceOptions};
 use droptower::diagnostic::{Diagnostic, render};
 use droptower::identify::{
-    Evaluation, LinearizationError, Method, Objective, Search, linearize_at_start, minimize, with_evaluator,
+    Evaluation, Method, Objective, Search, SearchError, linearize_at_start, minimize, with_evaluator,
 };
 use droptower::model;
 use droptower::scenario::{Assignment, Document};
@@ -65,10 +65,8 @@ pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result
     let options = ConfidenceOptions { colour: Colour::White, relative: true, ..ConfidenceOptions::new(names) };
     let estimate = Search { start: result.best.x.clone(), ..search };
     let confidence = with_evaluator(objective, 2, |evaluator| {
-        Ok::<_, LinearizationError>(Confidence::from_linearization(
-            &linearize_at_start(&estimate, evaluator)?,
-            &options,
-        )?)
+        let linearization = linearize_at_start(&estimate, evaluator)?;
+        Confidence::from_linearization(&linearization, &options).map_err(SearchError::refused)
     })?;
     let parameters = confidence.names.iter().zip(&confidence.x).zip(&confidence.intervals);
     let parameters =

@@ -15,8 +15,7 @@ use lab::signal::format::{FORMATS, Support};
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
 use scene::simulate::{EnergyTerm, energy_columns};
 use study::post::{self, FigureName, HEADLINES, Headline};
-use study::reference::chapters;
-use study::script::{Chapter, Entry};
+use study::reference::{Chapter, Entry, chapters};
 use study::store::run_files::{ENERGIES, SIGNALS};
 
 #[derive(Debug, Args)]
@@ -79,7 +78,7 @@ fn explained(path: &str) -> Result<Explanation, Diagnostic> {
         Ok((name, key)) => return Ok(keys(under(&name, key))),
         Err(mistake) => mistake,
     };
-    if chapters().any(|chapter| !called(chapter, Some(path)).is_empty()) {
+    if chapters().iter().any(|chapter| !called(chapter, Some(path)).is_empty()) {
         return Ok(functions(Some(path)));
     }
     if let Some(code) = finding(path) {
@@ -301,7 +300,7 @@ fn called(chapter: &'static Chapter, name: Option<&str>) -> Vec<&'static Entry> 
         let begins = |at: usize| !call[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
         call.match_indices(&opened).any(|(at, _)| begins(at))
     };
-    chapter.entries.iter().filter(|entry| name.is_none_or(|name| calls(entry.call, name))).collect()
+    chapter.entries.iter().filter(|entry| name.is_none_or(|name| calls(&entry.call, name))).collect()
 }
 
 /// The codes of all findings, module by module.

@@ -22,7 +22,7 @@ use base::units::with_decimal_point;
 use report::StudyPage;
 use scene::scenario::Assignment;
 use study::calibrate::{self, StudyFile};
-use study::evaluate::{EvaluationError, Evaluations};
+use study::evaluate::Evaluations;
 use study::identify::{self, SearchEvent, SearchHost};
 use study::scenario_functions::{self, Scenarios};
 use study::script::{
@@ -127,12 +127,10 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
         move |line| tell(&format!("note: {line}"), quiet)
     });
     let runs = page.clone();
-    let evaluations = Evaluations::open(&args.store).map_err(|error| unkept(&error))?.with_share(share);
+    let evaluations = Evaluations::new(&args.store).with_share(share);
     let evaluations = Arc::new(evaluations.with_observer(move |event| runs.note_run(&event)));
     let stored = || -> Result<Option<(ScriptRun, Vec<String>)>, Failure> {
-        let ran = run_script(args, name, &place, (&evaluations, deadline), (&page, shared.quiet));
-        evaluations.store().close().map_err(|error| unkept(&evaluations.failed(error)))?;
-        let (run, is_stopped) = ran?;
+        let (run, is_stopped) = run_script(args, name, &place, (&evaluations, deadline), (&page, shared.quiet))?;
         if is_stopped {
             return unfinished(&run, args, &evaluations, &page, shared).map(|()| None);
         }
@@ -163,7 +161,7 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let changes = args.given.changes.assignments()?;
-    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::without_loading(&args.store)), &host, &collector);
+    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::new(&args.store)), &host, &collector);
     compiled(args, &engine, place)?;
     if let Some(study) = &args.study {
         // What a study reads before its first run is read.
@@ -218,10 +216,6 @@ fn tell(line: &str, quiet: bool) {
 
 /// Words of scripts that compute runs, which have a page from their beginning; others from their first run on.
 const RUNNING: [&str; 5] = ["simulate", "minimize", "sweep", "threshold", "calibrate"];
-
-fn unkept(error: &EvaluationError) -> Failure {
-    Failure::output(Diagnostic::new(error.to_string()))
-}
 
 /// Runs the script, whose results go to `place`; its messages are printed at once. With it, whether it was stopped.
 fn run_script(

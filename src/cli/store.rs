@@ -1,6 +1,7 @@
 //! `droptower store`: the evaluations that are never computed twice.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -10,12 +11,12 @@ use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::number::{grouped, wall_time};
 use base::units::Time;
 use study::evaluate::build_name;
-use study::store::evaluations::SegmentFigures;
+use study::store::evaluations::{BuildFigures, Pruned};
 use study::store::{self, EvaluationStore};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum StoreCommand {
-    /// List the files of evaluations: how many, how large, of which build of droptower
+    /// List the evaluations: how many, how large, of which build of droptower
     List(Folder),
     /// Remove evaluations of other builds of droptower, which this one does not use, or others
     Prune(PruneArgs),
@@ -32,16 +33,13 @@ pub(crate) struct Folder {
 pub(crate) struct PruneArgs {
     #[command(flatten)]
     pub folder: Folder,
-    /// Remove files to which nothing was added for this time ("720 h"), of this build too
+    /// Remove what is older than this ("720 h"), of this build too
     #[arg(long, value_name = "TIME")]
     pub older_than: Option<String>,
     /// Remove all
     #[arg(long, conflicts_with = "older_than")]
     pub all: bool,
 }
-
-/// Time for which a file must be still before it is removed: a process may be writing it.
-const STILL_S: f64 = 60.0;
 
 pub(crate) fn run(command: &StoreCommand, shared: &Shared) -> Result<(), Failure> {
     match command {
@@ -50,22 +48,13 @@ pub(crate) fn run(command: &StoreCommand, shared: &Shared) -> Result<(), Failure
     }
 }
 
-fn segments(folder: &Folder) -> Result<Vec<SegmentFigures>, Failure> {
-    EvaluationStore::list(&folder.store).map_err(|error| {
-        Failure::output(Diagnostic::new(format!("cannot read {}: {error}", shown_path(&folder.store))))
-    })
-}
-
 fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
-    let segments = segments(folder)?;
-    print_figures(shared, &segments, || {
-        let lines = segments.iter().map(|segment| {
-            let build = match segment.build.as_deref() {
-                Some(build) if build == build_name() => "this build".to_owned(),
-                Some(build) => format!("droptower {build}"),
-                None => "no build: damaged".to_owned(),
-            };
-            let SegmentFigures { path, evaluations, bytes, runs, run_bytes, age_s, .. } = segment;
+    let builds = EvaluationStore::list(&folder.store).map_err(|error| {
+        Failure::output(Diagnostic::new(format!("cannot read {}: {error}", shown_path(&folder.store))))
+    })?;
+    print_figures(shared, &builds, || {
+        let lines = builds.iter().map(|BuildFigures { path, build, evaluations, bytes, runs, run_bytes, age_s }| {
+            let build = if build == build_name() { "this build".to_owned() } else { format!("droptower {build}") };
             format!(
                 "{}: figures of {} runs and {} whole runs, {} kB, {} old, of {build}",
                 shown_path(path),
@@ -75,11 +64,11 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
                 wall_time(*age_s)
             )
         });
-        let sum = |of: fn(&SegmentFigures) -> usize| grouped(segments.iter().map(|segment| of(segment) as u64).sum());
+        let sum = |of: fn(&BuildFigures) -> usize| grouped(builds.iter().map(|build| of(build) as u64).sum());
         let total = format!(
             "in all figures of {} runs and {} whole runs, which no command computes again; `droptower store prune` removes those of other builds",
-            sum(|segment| segment.evaluations),
-            sum(|segment| segment.runs)
+            sum(|build| build.evaluations),
+            sum(|build| build.runs)
         );
         let lines: Vec<String> = lines.chain([total]).collect();
         lines.join("\n")
@@ -87,25 +76,17 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
 }
 
 fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
-    let age = args.older_than.as_deref().map(age).transpose()?;
-    let is_wanted = |segment: &&SegmentFigures| match age {
+    let least = args.older_than.as_deref().map(age).transpose()?;
+    let is_wanted = |build: &str, age: Duration| match least {
         _ if args.all => true,
-        Some(age) => segment.age_s > age,
-        None => segment.build.as_deref() != Some(build_name()),
+        Some(least) => age.as_secs_f64() > least,
+        None => build != build_name(),
     };
-    // A process may still write the others.
-    let is_still = |segment: &&SegmentFigures| segment.age_s > STILL_S;
-    let segments = segments(&args.folder)?;
-    let meant: Vec<&SegmentFigures> = segments.iter().filter(is_wanted).filter(is_still).collect();
-    for segment in &meant {
-        EvaluationStore::remove(&args.folder.store, &segment.path).map_err(|error| {
-            Failure::output(Diagnostic::new(format!("cannot remove {}: {error}", shown_path(&segment.path))))
-        })?;
-    }
-    let removed = meant.iter().map(|segment| segment.evaluations).sum::<usize>();
-    let left = segments.iter().map(|segment| segment.evaluations).sum::<usize>() - removed;
-    let spared = segments.iter().filter(is_wanted).filter(|segment| !is_still(segment));
-    let spared = spared.map(|segment| segment.evaluations).sum::<usize>();
+    let folder = &args.folder.store;
+    let pruned = EvaluationStore::prune(folder, is_wanted).map_err(|error| {
+        Failure::output(Diagnostic::new(format!("cannot remove evaluations in {}: {error}", shown_path(folder))))
+    })?;
+    let Pruned { removed, left, spared } = pruned;
     print_figures(shared, &json!({ "removed": removed, "left": left, "of_the_last_minute": spared }), || {
         let why = if spared > 0 {
             format!(" ({} of the last minute, which may be in use)", grouped(spared as u64))

@@ -130,7 +130,7 @@ fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failu
     let place = place(args, &sweep.model().name)?;
     let page = page(&sweep.model().name, ProgressFolder::new(&place, share), shared);
     let runs = page.clone();
-    let evaluations = Evaluations::open(&args.store).map_err(|error| failed(&error))?.with_share(share);
+    let evaluations = Evaluations::new(&args.store).with_share(share);
     let evaluations = evaluations.with_observer(move |event| runs.note_run(&event));
     let stop = Stop { deadline, ..Stop::default() };
     Ok(Task { sweep, document, evaluations, place, keep, stop, page })

@@ -3,70 +3,8 @@
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
-use thiserror::Error;
 
-use crate::normal;
-
-/// Why a matrix is no correlation.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum CorrelationError {
-    /// A row has another length than the matrix has rows.
-    #[error("row {row} has {length} entries, but the matrix has {rows} rows")]
-    NotSquare {
-        /// Index of the row, from 0.
-        row: usize,
-        /// Its length.
-        length: usize,
-        /// Number of rows.
-        rows: usize,
-    },
-    /// An input must have the correlation one with itself.
-    #[error("the correlation of input {input} with itself is {value}, but must be 1")]
-    Diagonal {
-        /// Index of the input, from 0.
-        input: usize,
-        /// The entry.
-        value: f64,
-    },
-    /// Two entries of one pair differ.
-    #[error("the correlation of inputs {first} and {second} is {upper} in one place and {lower} in the other")]
-    NotSymmetric {
-        /// Index of the one input, from 0.
-        first: usize,
-        /// Index of the other.
-        second: usize,
-        /// Entry above the diagonal.
-        upper: f64,
-        /// Entry below the diagonal.
-        lower: f64,
-    },
-    /// A correlation is not strictly between −1 and 1.
-    #[error("the correlation of inputs {first} and {second} is {value}, but must be between -1 and 1")]
-    OutOfRange {
-        /// Index of the one input, from 0.
-        first: usize,
-        /// Index of the other.
-        second: usize,
-        /// The entry.
-        value: f64,
-    },
-    /// No inputs can have all these correlations at once.
-    #[error("the correlations of input {input} contradict those among the inputs before it: not positive definite")]
-    NotPositiveDefinite {
-        /// Index of the first input, from 0, whose row has no positive pivot.
-        input: usize,
-    },
-    /// A pair names an input twice or one that there is not.
-    #[error("the pair of inputs {first} and {second} is not one of {inputs} inputs")]
-    Pair {
-        /// Index of the one input, from 0.
-        first: usize,
-        /// Index of the other.
-        second: usize,
-        /// Number of inputs.
-        inputs: usize,
-    },
-}
+use crate::{Error, normal};
 
 /// Gaussian copula (Nataf 1962; Liu, Der Kiureghian 1986): the standard normal scores of the inputs are correlated,
 /// every input alone stays as it was.
@@ -84,7 +22,7 @@ impl Correlation {
     ///
     /// # Errors
     /// It is not square, symmetric, of unit diagonal, or not positive definite.
-    pub fn new(matrix: &[Vec<f64>]) -> Result<Self, CorrelationError> {
+    pub fn new(matrix: &[Vec<f64>]) -> Result<Self, Error> {
         check(matrix)?;
         let size = matrix.len();
         let matrix = DMatrix::from_fn(size, size, |row, column| matrix[row][column]);
@@ -97,7 +35,9 @@ impl Correlation {
                 // By leading blocks, to name the input that contradicts those before it; only a mistake pays for it.
                 let fits = |size: &usize| matrix.view((0, 0), (*size, *size)).clone_owned().cholesky().is_some();
                 let fitting = (1..size).take_while(fits).count();
-                Err(CorrelationError::NotPositiveDefinite { input: fitting })
+                Err(Error::new(format!(
+                    "the correlations of input {fitting} contradict those among the inputs before it: not positive definite"
+                )))
             }
         }
     }
@@ -106,12 +46,14 @@ impl Correlation {
     ///
     /// # Errors
     /// A pair is none of these inputs, or as [`Correlation::new`].
-    pub fn of_pairs(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, CorrelationError> {
+    pub fn of_pairs(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, Error> {
         let mut matrix: Vec<Vec<f64>> =
             (0..inputs).map(|row| (0..inputs).map(|column| f64::from(u8::from(row == column))).collect()).collect();
         for &(first, second, value) in pairs {
             if first == second || first >= inputs || second >= inputs {
-                return Err(CorrelationError::Pair { first, second, inputs });
+                return Err(Error::new(format!(
+                    "the pair of inputs {first} and {second} is not one of {inputs} inputs"
+                )));
             }
             matrix[first][second] = value;
             matrix[second][first] = value;
@@ -138,22 +80,32 @@ impl Correlation {
     }
 }
 
-fn check(matrix: &[Vec<f64>]) -> Result<(), CorrelationError> {
+fn check(matrix: &[Vec<f64>]) -> Result<(), Error> {
     let rows = matrix.len();
     if let Some(row) = matrix.iter().position(|row| row.len() != rows) {
-        return Err(CorrelationError::NotSquare { row, length: matrix[row].len(), rows });
+        return Err(Error::new(format!(
+            "row {row} has {length} entries, but the matrix has {rows} rows",
+            length = matrix[row].len()
+        )));
     }
     for first in 0..rows {
         if matrix[first][first] != 1.0 {
-            return Err(CorrelationError::Diagonal { input: first, value: matrix[first][first] });
+            return Err(Error::new(format!(
+                "the correlation of input {first} with itself is {value}, but must be 1",
+                value = matrix[first][first]
+            )));
         }
         for second in first + 1..rows {
             let (upper, lower) = (matrix[first][second], matrix[second][first]);
             if !(upper > -1.0 && upper < 1.0) {
-                return Err(CorrelationError::OutOfRange { first, second, value: upper });
+                return Err(Error::new(format!(
+                    "the correlation of inputs {first} and {second} is {upper}, but must be between -1 and 1"
+                )));
             }
             if upper != lower {
-                return Err(CorrelationError::NotSymmetric { first, second, upper, lower });
+                return Err(Error::new(format!(
+                    "the correlation of inputs {first} and {second} is {upper} in one place and {lower} in the other"
+                )));
             }
         }
     }
@@ -260,19 +212,24 @@ mod tests {
         let refused = |matrix: &[Vec<f64>]| Correlation::new(matrix).unwrap_err();
         assert_eq!(
             refused(&[vec![1.0, 0.2], vec![0.3, 1.0]]),
-            CorrelationError::NotSymmetric { first: 0, second: 1, upper: 0.2, lower: 0.3 }
+            Error::new("the correlation of inputs 0 and 1 is 0.2 in one place and 0.3 in the other")
         );
-        assert_eq!(refused(&[vec![2.0]]), CorrelationError::Diagonal { input: 0, value: 2.0 });
+        assert_eq!(refused(&[vec![2.0]]), Error::new("the correlation of input 0 with itself is 2, but must be 1"));
         assert_eq!(
             refused(&[vec![1.0, 1.0], vec![1.0, 1.0]]),
-            CorrelationError::OutOfRange { first: 0, second: 1, value: 1.0 }
+            Error::new("the correlation of inputs 0 and 1 is 1, but must be between -1 and 1")
         );
-        assert_eq!(refused(&[vec![1.0, 0.0]]), CorrelationError::NotSquare { row: 0, length: 2, rows: 1 });
+        assert_eq!(refused(&[vec![1.0, 0.0]]), Error::new("row 0 has 2 entries, but the matrix has 1 rows"));
         let contradictory = Correlation::of_pairs(4, &[(0, 1, 0.9), (0, 2, 0.9), (1, 2, -0.9)]).unwrap_err();
-        assert_eq!(contradictory, CorrelationError::NotPositiveDefinite { input: 2 });
+        assert_eq!(
+            contradictory,
+            Error::new(
+                "the correlations of input 2 contradict those among the inputs before it: not positive definite"
+            )
+        );
         assert_eq!(
             Correlation::of_pairs(2, &[(0, 2, 0.1)]).unwrap_err(),
-            CorrelationError::Pair { first: 0, second: 2, inputs: 2 }
+            Error::new("the pair of inputs 0 and 2 is not one of 2 inputs")
         );
     }
 }

@@ -2,36 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use thiserror::Error;
-
+use crate::Error;
 use crate::random::Stream;
 use crate::statistics::{Bootstrap, Estimate, Interval, mean, normal_factor, present};
-use crate::surrogate::{Family, Options, Surrogate, SurrogateError};
-
-/// Why there are no main effects.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum MainEffectsError {
-    /// There is not one output a point.
-    #[error("{points} points have {outputs} outputs")]
-    Outputs {
-        /// Number of points.
-        points: usize,
-        /// Number of outputs.
-        outputs: usize,
-    },
-    /// Too few outputs for two bins.
-    #[error("{samples} samples are too few: at least {} are needed", LEAST_SAMPLES)]
-    TooFewSamples {
-        /// Number of finite outputs.
-        samples: usize,
-    },
-    /// The output does not vary.
-    #[error("the output is the same everywhere: it has no variance to share")]
-    Constant,
-    /// There is no surrogate model.
-    #[error(transparent)]
-    Surrogate(SurrogateError),
-}
+use crate::surrogate::{Family, Options, Surrogate};
 
 /// First-order indices of all coordinates, none below zero or above one.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,9 +40,13 @@ pub fn main_effects(
     outputs: &[Option<f64>],
     independent: bool,
     bootstrap: &Bootstrap,
-) -> Result<MainEffects, MainEffectsError> {
+) -> Result<MainEffects, Error> {
     if points.len() != outputs.len() {
-        return Err(MainEffectsError::Outputs { points: points.len(), outputs: outputs.len() });
+        return Err(Error::new(format!(
+            "{points} points have {outputs} outputs",
+            points = points.len(),
+            outputs = outputs.len()
+        )));
     }
     let (points, outputs): (Vec<&Vec<f64>>, Vec<f64>) =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point, present(*output)?))).unzip();
@@ -78,10 +56,10 @@ pub fn main_effects(
         return Ok(of_factorial(&points, &outputs));
     }
     if samples < LEAST_SAMPLES {
-        return Err(MainEffectsError::TooFewSamples { samples });
+        return Err(Error::new(format!("{samples} samples are too few: at least {LEAST_SAMPLES} are needed")));
     }
     if !varies {
-        return Err(MainEffectsError::Constant);
+        return Err(Error::new("the output is the same everywhere: it has no variance to share"));
     }
     if independent { of_chaos(&points, &outputs, bootstrap.confidence) } else { of_bins(&points, &outputs, bootstrap) }
 }
@@ -123,7 +101,7 @@ fn of_factorial(points: &[&Vec<f64>], outputs: &[f64]) -> MainEffects {
 }
 
 /// By a polynomial chaos of the ranks.
-fn of_chaos(points: &[&Vec<f64>], outputs: &[f64], confidence: f64) -> Result<MainEffects, MainEffectsError> {
+fn of_chaos(points: &[&Vec<f64>], outputs: &[f64], confidence: f64) -> Result<MainEffects, Error> {
     // In a random order, so that the first ones are spread as all are.
     let order: Vec<usize> = Stream::new(0).permutation(outputs.len()).into_iter().take(MOST_SAMPLES).collect();
     let points: Vec<&Vec<f64>> = order.iter().map(|place| points[*place]).collect();
@@ -134,7 +112,7 @@ fn of_chaos(points: &[&Vec<f64>], outputs: &[f64], confidence: f64) -> Result<Ma
     let highest_degree = if ranks.len() > MANY { 4 } else { 8 };
     let options = Options { highest_degree, ..Options::default() };
     let chaos = Surrogate::fit(&vec![Family::Legendre; ranks.len()], &ranked, &outputs, &options);
-    let chaos = chaos.map_err(MainEffectsError::Surrogate)?;
+    let chaos = chaos?;
     let predicted = chaos.q2().clamp(0.0, 1.0);
     let first = chaos.first().unwrap_or_else(|| vec![0.0; ranks.len()]);
     let estimate = |of_chaos: f64| {
@@ -160,7 +138,7 @@ fn ranks(points: &[&Vec<f64>], factor: usize) -> Vec<f64> {
 }
 
 /// By the means in bins of a coordinate.
-fn of_bins(points: &[&Vec<f64>], outputs: &[f64], bootstrap: &Bootstrap) -> Result<MainEffects, MainEffectsError> {
+fn of_bins(points: &[&Vec<f64>], outputs: &[f64], bootstrap: &Bootstrap) -> Result<MainEffects, Error> {
     let samples = outputs.len();
     // √n: as many bins as points in each, which balances the error of bin means and that of their coarseness.
     let bins = (samples as f64).sqrt().floor().min(MOST_BINS as f64) as usize;
@@ -171,7 +149,8 @@ fn of_bins(points: &[&Vec<f64>], outputs: &[f64], bootstrap: &Bootstrap) -> Resu
         // By rank: bins hold equally many points whatever the distribution of the input.
         order.iter().enumerate().for_each(|(rank, &index)| bin[index] = rank * bins / samples);
         let ratio = |indices: &[usize]| correlation_ratio(indices, &bin, outputs, bins);
-        let value = ratio(&(0..samples).collect::<Vec<_>>()).ok_or(MainEffectsError::Constant)?;
+        let value = ratio(&(0..samples).collect::<Vec<_>>())
+            .ok_or_else(|| Error::new("the output is the same everywhere: it has no variance to share"))?;
         let [deviation] = bootstrap.deviations(samples, |indices| [ratio(indices)]);
         let interval = deviation.map(|deviation| {
             let Interval { low, high } = Interval::normal(value, deviation, bootstrap.confidence);
@@ -299,9 +278,12 @@ mod tests {
         let points: Vec<Vec<f64>> =
             (0..9).map(|place| [0.09, 0.05].map(|step| 0.1 + step * f64::from(place)).to_vec()).collect();
         let found = |outputs: &[Option<f64>]| main_effects(&points, outputs, true, &Bootstrap::default());
-        assert_eq!(found(&[Some(1.0); 9]), Err(MainEffectsError::Constant));
+        assert_eq!(
+            found(&[Some(1.0); 9]),
+            Err(Error::new("the output is the same everywhere: it has no variance to share"))
+        );
         let few = found(&[Some(1.0), Some(2.0), None, None, None, None, None, None, Some(2.0)]);
-        assert_eq!(few, Err(MainEffectsError::TooFewSamples { samples: 3 }));
-        assert_eq!(found(&[]), Err(MainEffectsError::Outputs { points: 9, outputs: 0 }));
+        assert_eq!(few, Err(Error::new(format!("3 samples are too few: at least {LEAST_SAMPLES} are needed"))));
+        assert_eq!(found(&[]), Err(Error::new("9 points have 0 outputs")));
     }
 }

@@ -48,9 +48,8 @@ class Sweep:
         return done.stdout
 
     def records(self):
-        """About how many runs are kept: each has a record of some hundred bytes."""
-        kept = self.folder / "runs/.evaluations"
-        return sum(path.stat().st_size for path in kept.glob("*.evaluations")) if kept.is_dir() else 0
+        """How many runs have a record."""
+        return sum(1 for _ in self.folder.glob("runs/.evaluations/*/records/*/*.record"))
 
     def logs(self):
         return "\n".join(f"== {path.name}\n{path.read_text(errors='replace')[-4000:]}" for path in self.folder.glob("*.out"))
@@ -60,7 +59,6 @@ def main(droptower, folder):
     sweep = Sweep(droptower, folder)
     begin = time.monotonic()
     sweep.done("droptower", "sweep", NAME, "-n", str(RUNS), "--out", "here", "--store", "here.store")
-    whole = sum(path.stat().st_size for path in (sweep.folder / "here.store").glob("*.evaluations"))
     print(f"one process: {RUNS} runs in {time.monotonic() - begin:.1f} s")
     sweep.done("droptower", "new", "slurm", "sweep.sbatch", "--scenario", NAME, "-n", str(RUNS), "--tasks", "2")
     script = sweep.folder / "sweep.sbatch"
@@ -71,7 +69,7 @@ def main(droptower, folder):
     sweep.environment = {**slurm.environment, "PATH": sweep.environment["PATH"]}
 
     def share():
-        return sweep.records() / whole
+        return sweep.records() / RUNS
 
     def told():
         return f"{sweep.logs()}\n{slurm.logs()}"

@@ -84,7 +84,7 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     let progress = folder.join("runs/drop.sweep.progress");
     let has_records = || {
         let listed = figures(&droptower(folder, &["store", "list", "--json"]));
-        listed.as_array().expect("a list").iter().any(|segment| segment["evaluations"].as_u64() > Some(3))
+        listed.as_array().expect("a list").iter().any(|build| build["evaluations"].as_u64() > Some(3))
     };
     wait_for(&mut child, || progress.join("progress.html").is_file() && has_records());
     assert!(read(&progress.join("progress.html")).contains("data-lives=\"true\""));

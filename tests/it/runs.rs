@@ -13,10 +13,10 @@ use droptower::calibrate;
 use droptower::evaluate::Evaluations;
 use droptower::functions;
 use droptower::identify::{self, SearchHost};
-use droptower::reference;
+use droptower::reference::{self, Entry};
 use droptower::report::Figure;
 use droptower::scenario_functions::{self, Scenarios};
-use droptower::script::{Arguments, Entry, Limits, OutputCollector, Script};
+use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 use droptower::sweep;
 
@@ -244,7 +244,7 @@ fn the_shipped_study_counts_layers() {
 
 /// An interpreter with every function of the reference, whose runs are stored in `folder`, and what collects its output.
 fn engine(folder: &Path) -> (Engine, OutputCollector) {
-    let evaluations = Arc::new(Evaluations::open(&folder.join("evaluations")).expect("a store"));
+    let evaluations = Arc::new(Evaluations::new(&folder.join("evaluations")));
     let mut engine = functions::engine(Limits::STUDY);
     let (collector, host) = (OutputCollector::new(vec!["steps".into()]), SearchHost::new(|_| {}));
     functions::register_output(&mut engine, &collector);
@@ -295,12 +295,12 @@ fn the_examples_of_the_scripting_reference_run() {
     };
     let run = evaluated(&scope, "scenario(args.scenario).simulate()").expect("a run");
     scope.push_constant_dynamic("run", run);
-    let entries: Vec<&Entry> = reference::chapters().flat_map(|chapter| chapter.entries).collect();
+    let entries: Vec<&Entry> = reference::chapters().iter().flat_map(|chapter| &chapter.entries).collect();
     for entry in &entries {
         let before = collector.output();
-        let held = evaluated(&scope, entry.example).unwrap_or_else(|fault| panic!("{}: {fault:?}", entry.call));
+        let held = evaluated(&scope, &entry.example).unwrap_or_else(|fault| panic!("{}: {fault:?}", entry.call));
         let after = collector.output();
-        let has_left = || match entry.call {
+        let has_left = || match entry.call.as_str() {
             call if call.starts_with("plot") || call.ends_with("page()") => after.plots.len() > before.plots.len(),
             call if call.starts_with("write") => after.files != before.files,
             call if call.starts_with("log") => after.log.len() == before.log.len() + 2,
@@ -328,7 +328,8 @@ fn the_snippets_of_editors_are_those_of_the_scripting_reference() {
         let names = entry.call.match_indices('(').filter_map(|(at, _)| entry.call[..at].chars().next_back());
         names.into_iter().any(|last| last.is_ascii_alphanumeric() || last == '_')
     };
-    let entries: Vec<&Entry> = reference::chapters().flat_map(|chapter| chapter.entries).filter(is_call).collect();
+    let entries: Vec<&Entry> =
+        reference::chapters().iter().flat_map(|chapter| &chapter.entries).filter(is_call).collect();
     assert!(entries.len() > 50, "{} functions", entries.len());
     for entry in &entries {
         let description = format!("{}\n\n{}", entry.gives, entry.example);

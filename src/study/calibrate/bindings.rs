@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 
 use super::angles::{self, Angles};
 use super::candidates;
-use super::curve_parameter;
 use super::fit::{self, Fit, LINEAR};
 use super::left_out;
 use super::parameter::{self, Role, Unknown, texts};
@@ -21,8 +20,7 @@ use super::warning::Warning;
 use crate::identify::SearchHost;
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{
-    CallOptions, Chapter, Entry, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse,
-    refuse_key,
+    CallOptions, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key,
 };
 use base::finding::Finding;
 use uncertainty::statistics::quantiles;
@@ -38,7 +36,7 @@ const DECLARED: [CallOptions; 6] = [
         of: "a parameter of calibrate",
         function: "calibrate",
         inside: Some("parameters"),
-        names: &[&parameter::OPTIONS, &curve_parameter::OPTIONS],
+        names: &[&parameter::OPTIONS, &parameter::CURVE_OPTIONS],
     },
     CallOptions { of: "posterior", function: "posterior", inside: None, names: &[&OF_POSTERIOR] },
     CallOptions { of: "predict", function: "predict", inside: None, names: &[&OF_PREDICT] },
@@ -472,134 +470,3 @@ fn joined(predictions: &[Prediction], rows: RowsOf) -> Vec<Row> {
 fn listed(rows: &[Row]) -> Dynamic {
     from_json(&Value::Array(rows.iter().cloned().map(Value::Object).collect()))
 }
-
-/// An example about the result of a calibration, `found`.
-macro_rules! calibrated {
-    ($text:literal) => {
-        concat!(
-            r#"let pulled = scenario("scenarios/stretch/single-element.toml").with(#{ "loading.stretch.until": 0.2 });
-               let force = signal([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3], [0, 0.155, 0.31, 0.465, 0.62, 0.775]).resampled(2e-5);
-               let found = calibrate(#{
-                   tests: [#{ scenario: pulled, name: "md", noise: 0.01, recordings: #{ force: force } }],
-                   parameters: #{ thickness: #{ key: "specimen.material.thickness", start: "10 um", within: ["5 um", "20 um"] } },
-                   discrepancy: 0.01,
-               });
-               "#,
-            $text
-        )
-    };
-}
-
-/// The reference of calibrations in scripts.
-pub const REFERENCE: &[Chapter] =
-    &[Chapter { title: "calibration of several tests (droptower script)", entries: ENTRIES }];
-
-const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "calibrate(#{ tests, parameters, noise, discrepancy, stages, … })",
-        gives: "the parameters with which all tests agree with their recordings, and what the tests tell of each. A test is \
-                #{ scenario, compare, over, window, recordings, own, weight, shared_error, noise, distance, error, pull, set, name, \
-                outcome, failure_mass, rupture_time }: its signals (`acceleration` of an impact, else `force` or `pressure`) over time, travel \
-                or depth; `recordings` beside the [reference] of an impact are files or maps of signals, which may have the standard deviations \
-                contact_error (s) and speed_error (m/s) of their contact; `own` names parameters that \
-                have a value of their own there; tests with one word as `shared_error` have the model's error in common; with `pull: \"strip\"` (or \"free\", \"held\") a coupon is pulled as by \
-                `scenario.pull` and not run, its recordings are curves, compared over strain; `distance` is \"residuals\", \
-                \"error-norm\" or \"rating\"; of a drop `outcome` is \"held\", \"broke\" or an array of \
-                them, a specimen each, `failure_mass` and `rupture_time` a string such as \"104 g\" or a map with its `error`. A parameter \
-                is #{ key, start, within, log, prior, tests, scatter }: one key or several that are tied, or a map of keys and what is \
-                written there, in which `{}` stands for the value, such as #{ \"layers.faces\": [\"0 mm\", \"-{}\"] }; bounds, a search along the \
-                logarithm, a distribution as of [variation]; `scatter` is that of break strains between specimens, a number or the ends \
-                between which it is estimated; or a curve of a fabric, #{ curve: key, start: curve, strains, end, tests }, whose \
-                unknowns are the rises of its stress from strain to strain, up to `end` at its last slope. `noise` is \"from the \
-                recordings\" or a share of the signal; \
-                `discrepancy` the error of the model, #{ share, correlation }, of which a share \"estimated\" follows from \
-                what the best parameters leave; `stages` are changes of the tests for searches at less cost, the last #{}; \
-                further method, starts, max_evaluations, tol_x, tol_f, difference, seed, precision (relative half width up to \
-                which a parameter counts as determined, 0.2), on_rupture, mesh (\"corrected\" for elements, or \"exact\" of virtual recordings on the \
-                same elements) and name. Its tables `parameters` and `tests` are \
-                results of the script",
-        example: r#"let film = calibrate(#{
-                        tests: [#{ scenario: scenario("scenarios/stretch/single-element.toml").with(#{ "loading.stretch.until": 0.2 }),
-                            recordings: #{ force: signal([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3], [0, 0.2, 0.4, 0.6, 0.8, 1.0]).resampled(2e-5) } }],
-                        parameters: #{ k1: #{ key: "specimen.material.fabric.scale.k1", start: 1, within: [0.1, 10], log: true } },
-                        discrepancy: 0.01,
-                    });
-                    film.converged && film.parameters[0].verdict == "determined" && film.tests[0].relative_error < 0.01"#,
-    },
-    Entry {
-        call: "calibration.x, .parameters, .tests, .outcomes, .findings, .error, .converged, .reason, .model_error, .iterations, .evaluations, .posterior_runs",
-        gives: "the best values by name; rows of parameters (interval of 95 %, verdict, the numbers behind it), of signals and of \
-                outcomes (their probability, or the failure mass that follows); the findings; the norm of the residuals; whether and why the search stopped; the model's error as a share of \
-                each signal; iterations of the best starts of all stages; evaluations of all tests by the searches; runs of the posterior",
-        example: calibrated!(
-            r#"found.x.thickness > 5 && found.parameters[0].unit == "um" && found.tests[0].test == "md" && found.evaluations > 3"#
-        ),
-    },
-    Entry {
-        call: "calibration.test(name)",
-        gives: "the scenario of a test with the best values",
-        example: calibrated!(r#"found.test("md").model.thickness[0] > 5e-6"#),
-    },
-    Entry {
-        call: "calibration.posterior(), calibration.posterior(#{ hierarchy, scatter, runs, rounds, steps, seed })",
-        gives: "samples the posterior of the parameters on surrogates of the tests, which are refined where it is; rows of quantiles \
-                of each parameter, its verdict, R-hat and effective size. `hierarchy: true`, or names, lets parameters differ from \
-                specimen to specimen about a mean; `scatter` is what is expected of their standard deviation at most (relative where \
-                they are logarithmic)",
-        example: calibrated!(
-            r#"let after = found.posterior()[0]; after.lower_95 < after.median && after.median < after.upper_95 && after.effective > 100"#
-        ),
-    },
-    Entry {
-        call: "calibration.predict([scenario, …], #{ samples, figures, signals, above, errors, seed })",
-        gives: "runs other scenarios, or #{ scenario, name, set }, with draws of the posterior: quantiles of figures with the share of the variance that each \
-                parameter explains, the probability that film breaks and that figures exceed limits (`above: #{ hic15: 700 }`), and how \
-                much of a recording lies in the band of 95 % of a signal; `page` draws the bands. The model's error is in the bands; in \
-                figures and probabilities it is where `errors: #{ hic15: 0.1 }` gives it as a relative standard deviation",
-        example: calibrated!(
-            r#"let next = found.predict([pulled.with(#{ "loading.stretch.direction": "TD" })], #{ samples: 4, figures: ["peak_force_N"] }); next.figures[0].lower_95 < next.figures[0].upper_95"#
-        ),
-    },
-    Entry {
-        call: "calibration.settles([scenario, …])",
-        gives: "which test would tell more: half widths of all parameters now and with each candidate, a scenario or a test without \
-                recordings, beside the tests (noise of 1 % assumed)",
-        example: calibrated!(
-            r#"found.settles([#{ scenario: pulled.with(#{ "loading.stretch.direction": "TD" }), name: "td" }])[0].reduction > 0"#
-        ),
-    },
-    Entry {
-        call: "calibration.left_out(), calibration.left_out([name, [name, …], …])",
-        gives: "searches again without tests, each alone or those of a list together, and how well what was left out is predicted: \
-                rows of signals with the relative error in the whole fit and when left out, and of outcomes with their \
-                probability. A test with an unknown that no other test has cannot be left out; without a list, those that can be are",
-        example: r#"let element = scenario("scenarios/stretch/single-element.toml");
-                    let strains = []; for i in 0..=60 { strains.push(0.01 * i); }
-                    let test = |name, k| #{ scenario: element, name: name, pull: "held", recordings: element.with(#{
-                        "specimen.material.fabric.scale.ky": k }).pull(strains), noise: 0.01 };
-                    let found = calibrate(#{ tests: [test.call("a", 1.0), test.call("b", 1.1)], discrepancy: 0.01, starts: 1,
-                        parameters: #{ ky: #{ key: "specimen.material.fabric.scale.ky", start: 1, within: [0.5, 2] } } });
-                    let rows = found.left_out();
-                    rows.len() == 2 && rows[0].relative_error_left_out > rows[0].relative_error"#,
-    },
-    Entry {
-        call: "calibration.angles(), calibration.angles(#{ strains, modulus: [from, to], tolerance })",
-        gives: "of tests with `pull`, coupons at several angles to MD: rows of modulus and force, measured and of the law, with the \
-                error in the fit, when left out, and when the law is fitted to 0, 45 and 90 degrees alone; plots over the angle; a \
-                finding where the angles between do not follow within `tolerance` (0.05)",
-        example: r#"let element = scenario("scenarios/stretch/single-element.toml");
-                    let strains = []; for i in 0..=60 { strains.push(0.005 * i); }
-                    let at = |degrees| element.with(#{ "loading.stretch.direction": `${degrees} deg` });
-                    let found = calibrate(#{ tests: [0, 30, 90].map(|angle| #{ scenario: at.call(angle), name: `at ${angle}`,
-                            pull: "strip", recordings: at.call(angle).pull(strains, #{ across: "strip" }), noise: 0.01 }),
-                        parameters: #{ ky: #{ key: "specimen.material.fabric.scale.ky", start: 1.1, within: [0.5, 2] } },
-                        discrepancy: 0.01, starts: 1 });
-                    let rows = found.angles(#{ strains: [0.2], modulus: [0, 0.1] });
-                    rows.len() == 3 && (rows[1].modulus_law_MPa / rows[1].modulus_MPa - 1).abs() < 0.01"#,
-    },
-    Entry {
-        call: "calibration.page()",
-        gives: "adds plots to the results: each test as measured and as calibrated, and what was asked of the result",
-        example: calibrated!(r#"found.page()"#),
-    },
-];

@@ -12,8 +12,8 @@ use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    self, HostSearch, Labels, LinearizationError, Method, Phase, SearchFailure, SearchHost, SearchResult, Side,
-    SignalLabel, failure, weigh_at_start,
+    self, HostSearch, Labels, Method, Phase, SearchError, SearchHost, SearchResult, Side, SignalLabel, failure,
+    weigh_at_start,
 };
 use crate::post::VIRTUAL_REFERENCE;
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
@@ -237,7 +237,7 @@ fn linear(
     let labels = Labels { phase: Some(Phase { number: phase, name: "slopes at its end".into() }), ..labels(plan) };
     let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
     let found = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
-    let found = found.map_err(|(_, error): (_, LinearizationError)| ended(session, &error))?.remove(0);
+    let found = found.map_err(|(_, error)| ended(session, &error))?.remove(0);
     let mut jacobian = found.jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
         jacobian.column_mut(index).scale_mut(plan.parameter_of(unknown).slope(values[index]));
@@ -302,7 +302,7 @@ fn searched(
 }
 
 /// Why a search ended without a result: the study was told to stop, or this error.
-pub(super) fn ended(session: &Session, error: &impl SearchFailure) -> Box<rhai::EvalAltResult> {
+pub(super) fn ended(session: &Session, error: &SearchError) -> Box<rhai::EvalAltResult> {
     check_stop(session).err().unwrap_or_else(|| failure(error, ""))
 }
 

@@ -9,7 +9,6 @@
 mod angles;
 mod bindings;
 mod candidates;
-mod curve_parameter;
 mod distance;
 mod error_model;
 mod file;
@@ -28,6 +27,6 @@ mod test;
 mod verdict;
 mod warning;
 
-pub use bindings::{REFERENCE, register, register_check};
+pub use bindings::{register, register_check};
 pub use file::StudyFile;
 pub use warning::CODES;

@@ -4,11 +4,10 @@ use std::ops::RangeInclusive;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::curve_parameter;
 use super::error_model::{Correlation, Noise, Shape};
 use super::mesh::{self, Elements};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
-use super::parameter::{Parameter, Role, Unknown};
+use super::parameter::{self, Parameter, Role, Unknown};
 use super::test::{self, Signal, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Scenarios, Study};
@@ -327,7 +326,7 @@ impl Plan {
     /// The changes of the scenario of a test with these values.
     pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
         let acting = self.acting_on(test).into_iter();
-        curve_parameter::changes(acting.map(|index| (self.parameter_of(&self.unknowns[index]), values[index])))
+        parameter::changes(acting.map(|index| (self.parameter_of(&self.unknowns[index]), values[index])))
     }
 
     /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose
@@ -338,7 +337,7 @@ impl Plan {
             let parameter = &self.parameters[*index];
             let at = self.unknowns.iter().position(|own| own.parameter == *index && own.test.is_none());
             let Some(at) = at else { return false };
-            let changes = curve_parameter::changes(std::iter::once((parameter, start[at])));
+            let changes = parameter::changes(std::iter::once((parameter, start[at])));
             // Not every film has the break strains that outcomes tell of.
             let is_of_all = parameter.tests.is_empty() && parameter.role == Role::Key;
             is_of_all || self.rivals(*index).next().is_none() && study.with(changes, session).is_ok()
@@ -356,7 +355,7 @@ impl Plan {
     /// search.
     pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
         let own = self.of_test(test).map(|index| (self.parameter_of(&self.unknowns[index]), values[index]));
-        curve_parameter::changes(own)
+        parameter::changes(own)
     }
 
     /// Whether a recording is uncertain in its contact.
@@ -374,7 +373,7 @@ impl Plan {
     pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Map {
         let is_shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
         let shared = self.unknowns.iter().zip(values).filter(|(unknown, _)| is_shared(unknown));
-        curve_parameter::changes(shared.map(|(unknown, value)| (self.parameter_of(unknown), *value)))
+        parameter::changes(shared.map(|(unknown, value)| (self.parameter_of(unknown), *value)))
     }
 
     /// The plan in which all tests share these parameters.
@@ -472,8 +471,8 @@ fn parameters(options: &Options<'_>, tests: &[Test]) -> HostResult<Vec<Parameter
     let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
     let map = map.filter(|map| !map.is_empty());
     let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
-    let read = |(name, given): (&rhai::Identifier, &Dynamic)| match curve_parameter::is_curve(given) {
-        true => curve_parameter::read(name, given),
+    let read = |(name, given): (&rhai::Identifier, &Dynamic)| match parameter::is_curve(given) {
+        true => parameter::read_curve(name, given),
         false => Parameter::read(name, given).map(|own| vec![own]),
     };
     let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, *error));

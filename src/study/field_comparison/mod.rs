@@ -3,7 +3,6 @@
 
 mod alignment;
 mod comparison;
-mod normal_equations;
 mod surface;
 #[cfg(test)]
 mod tests;

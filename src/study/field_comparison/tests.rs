@@ -116,7 +116,7 @@ fn residuals_have_their_derivatives() {
     let field = measured(&film, &RigidMotion::identity(), 0.0, |_| true);
     let surface = FilmSurface::of_motion(&film).unwrap();
     let points = field.states[0].points.clone();
-    let problem = normal_equations::Problem {
+    let problem = alignment::Problem {
         surface: &surface,
         places: &field.places,
         states: vec![(&film.states[0], points)],

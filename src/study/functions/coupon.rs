@@ -1,19 +1,18 @@
-//! Coupon tests in scripts: from force and displacement to the figures of a material.
+//! Curves and coupon tests in scripts.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
-use super::curve::{list, numbers, spread_map, strains, yield_map};
-use super::recording::hinted;
-use crate::script::{Entry, HostResult, Options, Session, refuse};
+use crate::script::{Compared, HostResult, Options, Session, number, refuse, refuse_hinted, window};
 use base::units::{Length, Mass, Velocity};
 use lab::Error;
+use lab::experiment::coupon::average::{SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference};
 use lab::experiment::coupon::shear::Shear;
 use lab::experiment::coupon::{
-    Coupon, CouponReader, CouponTest, Curve, DirectionMeans, Fibres, LoadCell, Machine, Reduction, Rules, Sample,
-    ShearMethod, SpeedMeans,
+    BREAK_SHARE, Coupon, CouponReader, CouponTest, Curve, CurveEnd, DirectionMeans, Fibres, LoadCell, Machine,
+    Reduction, Rules, Sample, ShearMethod, SpeedMeans, WINDOW, YieldPoints, relative_residuals, yield_points,
 };
 use lab::signal::Series;
 use membrane::material;
@@ -71,7 +70,7 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
         Ok::<Array, Error>(recorded.iter().map(|test| recorded_map(test).into()).collect())
     };
     let read = paths.iter().map(read).collect::<Result<Vec<Array>, Error>>().map(|arrays| arrays.concat());
-    read.map_err(hinted)
+    read.map_err(|error| refuse_hinted(&error, error.hint()))
 }
 
 /// The rules of a reduction from its options: `window`, `break_share`, `toe_compensation`.
@@ -222,56 +221,135 @@ fn map<const N: usize>(pairs: [(&str, Dynamic); N]) -> Map {
     pairs.into_iter().map(|(name, value)| (name.into(), value)).collect()
 }
 
-/// The reference of the functions of coupon tests.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "coupon(#{ gauge, width, thickness })",
-        gives: "a strip of film between two jaws, lengths with units or in m; area (m2), gauge and thickness can be read",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: 12e-6 }); (c.area / 1.2e-7 - 1).abs() < 1e-12 && c.gauge == 0.005"#,
-    },
-    Entry {
-        call: "coupon.curve(force, displacement)",
-        gives: "nominal stress over engineering strain of two signals, N and m (equation 1)",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.curve(signal([0, 1], [0, 1.2]), signal([0, 1], [0, 0.001])); (s.at(0.2) / 1e7 - 1).abs() < 1e-12"#,
-    },
-    Entry {
-        call: "coupon.shear(curve)",
-        gives: "a map: the curve of shear stress over shear angle (rad) of a square from a curve at 45 degrees (equations 4 to 8), and how many samples were cut; stress is assumed to be the same all over the coupon, so any square in it gives this curve",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let s = c.shear(curve([0, 0.1, 0.2, 0.5], [0, 1e6, 2e6, 5e6])); s.cut == 1 && s.curve.len() == 3"#,
-    },
-    Entry {
-        call: "coupon.shear(curve, #{ md, td }), coupon.shear(curve, #{ md, td, shear_by: \"free\" | \"held\" | \"rhombus\" })",
-        gives: "the same map, of a coupon whose fibres stretch by their curves md and td: with free sides (a strip long for its \
-                width, used where nothing is given), with its width held, or as the rhombus above",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let f = curve([0, 1], [0, 4e7]);
-                    let s = c.shear(curve([0, 0.1, 0.2], [0, 3e6, 5e6]), #{ md: f, td: f }); s.cut == 0 && s.curve.end() < 0.3"#,
-    },
-    Entry {
-        call: "coupon.pulled(curve, strains, noise, #{ velocity, force_decimals, displacement_decimals })",
-        gives: "a map of lists time (s), displacement (m) and force (N): the virtual recording of a machine at these strains of a film that follows the curve, plus noise (N)",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let p = c.pulled(curve([0, 1], [0, 1e7]), [0, 0.5, 2], [0, 0, 0.001], #{ velocity: "0.02 m/s", force_decimals: 4, displacement_decimals: 7 }); p.force == [0.0, 0.6, 0.001] && p.time[1] == 0.125"#,
-    },
-    Entry {
-        call: "coupon.pulled(curve, strains, noise, #{ …, jaw_mass, load_cell_stiffness, load_cell_damping })",
-        gives: "the same as a load cell reads it, with the mass of the jaw on it (kg), its stiffness (N/m) and its share of the \
-                critical damping (0 where none is given): an oscillator of second order, which lags behind a fast force",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" });
-                    let cell = #{ velocity: 0.2, force_decimals: 6, displacement_decimals: 7, jaw_mass: 0.2, load_cell_stiffness: 1e6 };
-                    c.pulled(curve([0, 1], [0, 4e7]), [0, 0.01], [0, 0], cell).force[1] < 0.01"#,
-    },
-    Entry {
-        call: "reduce_coupons([#{ direction, velocity, curve, is_virtual }, …]), reduce_coupons(tests, #{ window, break_share, toe_compensation })",
-        gives: "a reduction: means per direction and speed, then over the speeds of each direction; is_virtual is false unless given, and the reduction counts it",
-        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let r = reduce_coupons([#{ direction: "MD", velocity: "0.02 m/s", curve: c }], #{ window: [0, 0.02] }); r.directions[0].elongation.mean == 1.0"#,
-    },
-    Entry {
-        call: "read_coupons(pattern, coupon), read_coupons(pattern, coupon, rules)",
-        gives: "a list of maps for reduce_coupons: file, specimen (its name in an export of a machine), direction (MD, TD, D3, D4 or an angle such as 15deg) and its angle (degrees), velocity (from header or name), curve up to the break, modulus, strength, elongation, is_virtual",
-        example: r#"let c = coupon(#{ gauge: "5 mm", width: "10 mm", thickness: "12 um" }); let tests = read_coupons("data/virtual/coupons/md-0.2-*.csv", c); tests.len() == 6 && tests[0].is_virtual && reduce_coupons(tests).virtual_recordings == 6"#,
-    },
-    Entry {
-        call: "reduction.directions, reduction.modulus, reduction.recordings, reduction.virtual_recordings",
-        gives: "a list of maps (direction, modulus, strength, elongation, break_stress, curve, yield_points or (), no_yield_points or (), virtual_recordings, speeds), the mean modulus of MD and TD, Pa, and how many coupons there are and are virtual",
-        example: r#"let c = curve([0, 0.01, 0.02, 1], [0, 5e5, 1e6, 9e6]); let t = |d| #{ direction: d, velocity: 0.02, curve: c }; let r = reduce_coupons([t.call("MD"), t.call("TD")], #{ window: [0, 0.02] }); (r.modulus / 5e7 - 1).abs() < 1e-9 && r.directions[1].speeds[0].moduli.len() == 1 && r.directions[0].yield_points == () && r.recordings == 2 && r.virtual_recordings == 0"#,
-    },
-];
+/// Offers the type `curve`, its functions and means to scripts.
+pub(super) fn register_curves(engine: &mut Engine) {
+    engine.register_type_with_name::<Curve>("curve");
+    engine
+        .register_fn("curve", build)
+        .register_fn("len", |curve: &mut Curve| curve.strain().len() as INT)
+        .register_fn("to_string", describe)
+        .register_fn("strains", |curve: &mut Curve| list(curve.strain()))
+        .register_fn("stresses", |curve: &mut Curve| list(curve.stress()))
+        .register_fn("start", |curve: &mut Curve| curve.range()[0])
+        .register_fn("end", |curve: &mut Curve| curve.range()[1])
+        .register_fn("at", value_at)
+        .register_fn("slice", slice)
+        .register_fn("resultants", |curve: &mut Curve, thickness: Dynamic| {
+            Ok::<_, Box<EvalAltResult>>(list(&curve.resultant(number(&thickness, "the thickness")?)))
+        })
+        .register_fn("modulus", |curve: &mut Curve| slope(curve, WINDOW))
+        .register_fn("modulus", |curve: &mut Curve, window: Dynamic| slope(curve, strains(&window)?))
+        .register_fn("toe_compensated", toe_compensated)
+        .register_fn("rupture", |curve: &mut Curve| rupture(curve, BREAK_SHARE))
+        .register_fn("rupture", |curve: &mut Curve, share: Dynamic| rupture(curve, number(&share, "the share")?))
+        .register_fn("yield_points", |curve: &mut Curve| yields(curve, WINDOW))
+        .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, strains(&window)?))
+        .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
+        .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
+        .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
+        .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
+            let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
+            Session::from_context(&context).add_comparison(|| Compared::curves(&curve, &reference));
+            Ok::<_, Box<EvalAltResult>>(list(&residuals))
+        })
+        .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
+            let reference = number(&reference, "the reference")?;
+            Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
+        })
+        .register_fn("spread", |figures: Array| {
+            let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
+            Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
+        });
+}
+
+/// A window of strain `[from, to]`.
+pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
+    window(value)
+}
+
+/// Mean, deviation and count as a map of a script.
+pub(super) fn spread_map(spread: &SampleStatistics) -> Map {
+    let mut map = Map::new();
+    map.insert("mean".into(), spread.mean.into());
+    map.insert("deviation".into(), spread.deviation.into());
+    map.insert("count".into(), (spread.count as INT).into());
+    map
+}
+
+/// Yield points as a map of a script.
+pub(super) fn yield_map(found: &YieldPoints) -> Map {
+    let mut map = Map::new();
+    map.insert("first".into(), list(&found.first).into());
+    map.insert("second".into(), list(&found.second).into());
+    map.insert("slopes".into(), list(&found.slopes).into());
+    map.insert("residual".into(), found.residual.into());
+    map
+}
+
+/// The numbers as a list.
+pub(super) fn list(values: &[f64]) -> Array {
+    values.iter().copied().map(Dynamic::from).collect()
+}
+
+/// The list as numbers; `what` names one of them in the error.
+pub(super) fn numbers(items: &[Dynamic], what: &str) -> HostResult<Vec<f64>> {
+    items.iter().map(|item| number(item, what)).collect()
+}
+
+fn build(strains: Array, stresses: Array) -> HostResult<Curve> {
+    Curve::new(numbers(&strains, "a strain")?, numbers(&stresses, "a stress")?).map_err(refuse)
+}
+
+fn describe(curve: &mut Curve) -> String {
+    let [start, end] = curve.range();
+    format!("curve of {} samples from strain {start} to {end}", curve.strain().len())
+}
+
+fn value_at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
+    let strain = number(&strain, "a strain")?;
+    curve.stress_at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
+}
+
+fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> HostResult<Curve> {
+    let range = [number(&from, "the start")?, number(&to, "the end")?];
+    curve.within(range).ok_or_else(|| refuse(format!("fewer than two samples between {} and {}", range[0], range[1])))
+}
+
+fn slope(curve: &Curve, window: [f64; 2]) -> HostResult<f64> {
+    Ok(curve.modulus(window).map_err(refuse)?.slope)
+}
+
+fn toe_compensated(curve: &mut Curve, window: Dynamic) -> HostResult<Curve> {
+    let line = curve.modulus(strains(&window)?).map_err(refuse)?;
+    Ok(curve.toe_compensated(line.slope, line.intercept))
+}
+
+fn rupture(curve: &Curve, share: f64) -> HostResult<Map> {
+    let rupture = curve.rupture(share).map_err(refuse)?;
+    let mut map = Map::new();
+    map.insert("strain".into(), rupture.strain.into());
+    map.insert("stress".into(), rupture.stress.into());
+    map.insert("strength".into(), rupture.strength.into());
+    map.insert("broke".into(), (rupture.ending == CurveEnd::Broke).into());
+    Ok(map)
+}
+
+fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Map> {
+    yield_points(curve, window).map(|found| yield_map(&found)).map_err(refuse)
+}
+
+fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, Error>) -> HostResult<Curve> {
+    let curve = |item: &Dynamic| {
+        let found = item.clone().try_cast::<Curve>();
+        found.ok_or_else(|| refuse(format!("expected a curve, found {}", item.type_name())))
+    };
+    of(&curves.iter().map(curve).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
+}
+
+fn mean_of_groups(groups: &[Dynamic]) -> HostResult<f64> {
+    let group = |item: &Dynamic| match item.read_lock::<Array>() {
+        Some(figures) => numbers(&figures, "a figure"),
+        None => Err(refuse(format!("expected a list of figures, found {}", item.type_name()))),
+    };
+    mean_of_means(&groups.iter().map(group).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
+}

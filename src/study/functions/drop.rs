@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, Map};
 
-use crate::script::{Entry, HostResult, Options, from_json, refuse, window};
+use crate::script::{HostResult, Options, from_json, refuse, window};
 use lab::experiment::absorption::Body;
 use lab::experiment::drop::{self, Bridged, Class, Correction, Drop, Reduction, Tower};
 use lab::experiment::fall::Fall;
@@ -188,29 +188,3 @@ fn sensors(about: &Options<'_>) -> HostResult<Sensors> {
 fn signal(recording: &Recording, column: &str) -> Dynamic {
     recording.series(column).map_or(Dynamic::UNIT, Dynamic::from)
 }
-
-/// The reference of drop tests.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "virtual_drop(acceleration, displacement, #{ height, velocity, seed })",
-        gives: "what the sensors would have read in a simulated drop, from run.acceleration_raw and run.displacement: time, accelerometer, laser (signals) \
-                and the true contact_time (s); also laser: false, gravity, letting_go, friction_speed_share \
-                (the share of the guide's friction at contact that is proportional to the speed), time_constant, noise, offset, rest: [from, to], sample_rate",
-        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
-                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
-                   v.accelerometer.len() == v.laser.len() && v.contact_time > 0.5",
-    },
-    Entry {
-        call: "reduce_drop(acceleration, laser, #{ mass, height })",
-        gives: "the drop that was recorded, from a reading that starts at rest; () in place of a laser that failed. Figures as of `droptower reduce drop` \
-                and the signals displacement, velocity, acceleration (filtered), acceleration_raw, kinetic_energy, potential_energy, absorbed_energy, \
-                total_energy from contact on; also gravity, class (1000; () where the recording was filtered before), correction: \"ramp\", time_constant, \
-                bridge (s), the longest gap to be replaced by a straight line, mask: [from, to] or a list of them, what a straight line replaces, \
-                speed (m/s) and contact_time (s) where they are known, in place of the height or beside it, their standard deviations speed_error and \
-                contact_error, height_error (m), guide_friction: [force, deviation] (N)",
-        example: r"let a = signal([0, 0.01, 0.05], [-9.81, 100, 150]); let d = signal([0, 0.05], [0, -0.15]);
-                   let v = virtual_drop(a, d, #{ height: 1, velocity: 4.16, seed: 1 });
-                   let drop = reduce_drop(v.accelerometer, (), #{ mass: 10.72, height: 1 });
-                   (drop.impact_velocity_m_s - 4.16).abs() < 0.02 && (drop.contact_time_s - v.contact_time).abs() < 0.0002",
-    },
-];

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 
-use super::curve::{list, numbers};
-use super::recording::hinted;
-use crate::script::{Entry, HostResult, Options, Session, from_json, refuse};
+use super::coupon::{list, numbers};
+use crate::script::{HostResult, Options, Session, findings_map, refuse, refuse_hinted};
 use base::finding::Finding;
 use lab::experiment::law_fit::{
     BiaxialPoint, Coefficient, DataSet, FitOptions, LawFit, Measured, StressReader, TestFit, TestKind, fit_law,
@@ -36,7 +35,7 @@ pub(super) fn register_reading(engine: &mut Engine) {
 fn read(session: &Session, path: &str, kind: Option<TestKind>) -> HostResult<Map> {
     let path = Path::new(path);
     let reader = StressReader { kind, ..StressReader::default() };
-    let set = reader.read(path).map_err(hinted)?;
+    let set = reader.read(path).map_err(|error| refuse_hinted(&error, error.hint()))?;
     session.add_recording(path, set.is_virtual);
     Ok(set_map(&set))
 }
@@ -128,7 +127,8 @@ fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
     let stable_to = options.get("stable_to").map(|_| given.needed_number("stable_to")).transpose()?;
     let options = FitOptions { weighting: weighting.unwrap_or_default(), stable_to };
     let law = law.parse().map_err(refuse)?;
-    fit_law(law, &sets, &predicted, &options).map(|fit| fit_map(&fit)).map_err(hinted)
+    let fit = fit_law(law, &sets, &predicted, &options).map_err(|error| refuse_hinted(&error, error.hint()))?;
+    Ok(fit_map(&fit))
 }
 
 fn fit_map(fit: &LawFit) -> Map {
@@ -146,7 +146,7 @@ fn fit_map(fit: &LawFit) -> Map {
         ("predictions".into(), tests(&fit.predictions)),
         ("unstable_from".into(), fit.unstable_from.map_or(Dynamic::UNIT, |(_, stretch)| stretch.into())),
     ]);
-    insert_findings(&mut map, &fit.findings());
+    map.extend(findings_map(&fit.findings()));
     map
 }
 
@@ -161,13 +161,6 @@ fn test_map(test: &TestFit) -> Map {
         ("largest_error".into(), quality.largest_error.into()),
     ]);
     map
-}
-
-/// `findings` as maps and `warnings` as texts.
-fn insert_findings(map: &mut Map, findings: &[Finding]) {
-    let warnings = findings.iter().filter(|finding| finding.is_warning()).map(|finding| finding.message.clone().into());
-    map.insert("warnings".into(), warnings.collect::<Array>().into());
-    map.insert("findings".into(), from_json(&serde_json::json!(findings)));
 }
 
 fn relaxation(times: Array, moduli: Array, terms: INT) -> HostResult<Map> {
@@ -191,31 +184,6 @@ fn prony_map(fit: &PronyFit) -> Map {
         ("relative_rms".into(), fit.relative_rms.into()),
         ("largest_error".into(), fit.largest_error.into()),
     ]);
-    let findings: Vec<Finding> = fit.warnings.iter().map(Finding::new).collect();
-    insert_findings(&mut map, &findings);
+    map.extend(findings_map(&fit.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     map
 }
-
-/// The reference of fits.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "fit_law(tests, law)",
-        gives: "the law (neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent, ogden:N) fitted to tests, maps of test (uniaxial, equibiaxial, plane, biaxial), stretch and nominal stress (Pa), or stretch_1, stretch_2, stress_1, stress_2: a map of coefficients, standard_errors, intervals, tests (r_squared, rms, relative_rms, largest_error, predicted), unstable_from, findings and warnings",
-        example: r#"let p = |l| 4e5 * (l - 1 / (l * l)); let t = #{ test: "uniaxial", stretch: [1.1, 1.5, 2.0], stress: [p.call(1.1), p.call(1.5), p.call(2.0)] }; let f = fit_law([t], "neo-hookean"); (f.coefficients.mu / 4e5 - 1).abs() < 1e-9 && f.findings[0].code == "uniaxial-only""#,
-    },
-    Entry {
-        call: "fit_law(tests, law, #{ residual, stable_to, predict })",
-        gives: "the same with residual (absolute or relative), the stretch up to which the law must be stable, and tests to predict, which `predictions` has",
-        example: r#"let t = #{ test: "plane", stretch: [1.5, 2.0], stress: [4e5, 7e5], weight: 2 }; fit_law([t], "neo-hookean", #{ residual: "relative", stable_to: 3, predict: [t] }).predictions.len() == 1"#,
-    },
-    Entry {
-        call: "fit_relaxation(times, moduli, terms)",
-        gives: "a Prony series of at most so many terms of a relaxation modulus: a map of instantaneous and equilibrium modulus, terms (share of the instantaneous modulus, time), r_squared, relative_rms, largest_error, findings and warnings",
-        example: "let t = [0.1, 0.3, 1.0, 3.0, 10.0]; let f = fit_relaxation(t, t.map(|t| 1e8 + 1e8 * (-t).exp()), 3); (f.terms[0].time - 1).abs() < 1e-9 && (f.terms[0].share - 0.5).abs() < 1e-6",
-    },
-    Entry {
-        call: "read_stresses(path), read_stresses(path, kind)",
-        gives: "a test from a file (columns stretch or strain and stress; biaxial: stretch_1, stretch_2, stress_1, stress_2), as fit_law takes it; its kind is that of its header (`# test: uniaxial`) or name (treloar-ut.csv), unless it is given",
-        example: r#"read_stresses(args.stresses).stretch.len() == 3"#,
-    },
-];

@@ -2,57 +2,34 @@
 //!
 //! Scenarios and runs come with `post`, searches with `identify`.
 
-#[cfg(test)]
-pub(crate) mod check;
 mod coupon;
-mod curve;
 mod drop;
-mod files;
 mod law_fit;
-mod measures;
-mod modules;
-mod plots;
-mod random;
-mod recording;
-mod results;
+mod numbers;
+mod output;
+mod reading;
 mod signal;
-mod table;
-mod threshold;
 
 use rhai::Engine;
 
-use crate::script::{self, Chapter, Limits, OutputCollector, Session};
+use crate::script::{self, Limits, OutputCollector, Session, ShippedModule};
 
 pub use coupon::Reduced;
 
-/// The reference of these functions.
-pub const REFERENCE: &[Chapter] = &[
-    Chapter { title: "signals", entries: signal::ENTRIES },
-    Chapter { title: "measures of signals", entries: measures::ENTRIES },
-    Chapter { title: "results", entries: results::ENTRIES },
-    Chapter { title: "plots", entries: plots::ENTRIES },
-    Chapter { title: "files", entries: files::ENTRIES },
-    Chapter { title: "curves", entries: curve::ENTRIES },
-    Chapter { title: "coupon tests", entries: coupon::ENTRIES },
-    Chapter { title: "fits of laws", entries: law_fit::ENTRIES },
-    Chapter { title: "drop tests", entries: drop::ENTRIES },
-    Chapter { title: "random numbers", entries: random::ENTRIES },
-    Chapter { title: "thresholds", entries: threshold::ENTRIES },
-    Chapter { title: "the module droptower/tables", entries: modules::ENTRIES },
-    Chapter { title: "tables (droptower script)", entries: table::ENTRIES },
-    Chapter { title: "recordings (droptower script)", entries: recording::ENTRIES },
-];
+/// The module of numbers and tables that is part of droptower, which every script can import.
+pub(crate) const TABLES: ShippedModule =
+    ShippedModule { name: "droptower/tables", text: include_str!("../../../scripts/droptower/tables.rhai") };
 
 /// An interpreter within `limits` with the functions that neither read nor write files.
 pub fn engine(limits: Limits) -> Engine {
     let mut engine = script::engine(limits);
-    Session::of_engine(&engine).ship(modules::MODULES);
+    Session::of_engine(&engine).ship(&[TABLES]);
     signal::register(&mut engine);
-    measures::register(&mut engine);
-    random::register(&mut engine);
-    threshold::register(&mut engine);
+    signal::register_measures(&mut engine);
+    numbers::register_random(&mut engine);
+    numbers::register_threshold(&mut engine);
     drop::register(&mut engine);
-    curve::register(&mut engine);
+    coupon::register_curves(&mut engine);
     coupon::register(&mut engine);
     law_fit::register(&mut engine);
     engine
@@ -61,15 +38,29 @@ pub fn engine(limits: Limits) -> Engine {
 /// Offers the functions that read files: recordings, tables, coupon tests; and lets scripts import modules in files.
 pub fn register_reading(engine: &mut Engine) {
     Session::of_engine(engine).read_modules();
-    recording::register(engine);
-    table::register(engine);
+    reading::register_recordings(engine);
+    reading::register_tables(engine);
     coupon::register_reading(engine);
     law_fit::register_reading(engine);
 }
 
 /// Offers the functions whose output `collector` takes: figures, tables, plots, files, the log.
 pub fn register_output(engine: &mut Engine, collector: &OutputCollector) {
-    results::register(collector, engine);
-    plots::register(collector, engine);
-    files::register(collector, engine);
+    output::register_results(collector, engine);
+    output::register_plots(collector, engine);
+    output::register_files(collector, engine);
+}
+
+/// Helpers of the tests of script functions.
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The interpreter with every function of this module.
+    pub(crate) fn engine() -> Engine {
+        let mut engine = super::engine(Limits::POST);
+        register_reading(&mut engine);
+        register_output(&mut engine, &OutputCollector::new(vec!["steps".into()]));
+        engine
+    }
 }

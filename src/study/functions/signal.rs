@@ -1,10 +1,11 @@
-//! Signals in scripts: a series is one value, so that loops run in the host.
+//! Signals in scripts, and measures of them.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 
-use crate::script::{Compared, Entry, HostResult, Session, number, refuse, window};
+use crate::script::{Compared, HostResult, Session, number, refuse, window};
+use lab::signal::clip::{self, Counting};
 use lab::signal::filter::{self, Standard};
-use lab::signal::{Series, integrate, norm};
+use lab::signal::{Series, hic, integrate, norm, rating, resample};
 
 type Operator = fn(f64, f64) -> f64;
 
@@ -134,78 +135,83 @@ fn relative_residuals(
     Ok(residuals)
 }
 
-/// The reference of the functions of signals.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "signal(times, values)",
-        gives: "a signal from two lists; times in s, increasing",
-        example: "signal([0, 1, 2], [5, 6.5, 8]).len() == 3",
-    },
-    Entry { call: "signal.len()", gives: "the number of samples", example: "signal([0, 1], [5, 6]).len() == 2" },
-    Entry {
-        call: "signal.max(), signal.min()",
-        gives: "the largest and the smallest measured value",
-        example: "let s = signal([0, 1, 2], [5, 9, 7]); s.max() == 9.0 && s.min() == 5.0",
-    },
-    Entry {
-        call: "signal.time_of_max(), signal.time_of_min()",
-        gives: "the time of its first occurrence, s",
-        example: "let s = signal([0, 1, 2], [5, 9, 7]); s.time_of_max() == 1.0 && s.time_of_min() == 0.0",
-    },
-    Entry {
-        call: "signal.start(), signal.end()",
-        gives: "the times of the first and the last sample, s",
-        example: "let s = signal([2, 3], [0, 0]); s.start() == 2.0 && s.end() == 3.0",
-    },
-    Entry {
-        call: "signal.at(t)",
-        gives: "the value at time t (s), linear between samples",
-        example: "let s = signal([0, 1], [5, 6]); s.at(0.5) == 5.5 && s.at(1) == 6.0",
-    },
-    Entry {
-        call: "signal.slice(from, to)",
-        gives: "the samples with from <= time <= to (s)",
-        example: "signal([0, 1, 2, 3], [5, 6, 7, 8]).slice(1, 2.5).len() == 2",
-    },
-    Entry {
-        call: "signal.mean()",
-        gives: "the mean over time (trapezoidal rule)",
-        example: "signal([0, 1, 3], [0, 2, 2]).mean() == 5.0 / 3.0",
-    },
-    Entry {
-        call: "signal.integral()",
-        gives: "the integral over time (trapezoidal rule)",
-        example: "signal([0, 1, 3], [0, 2, 2]).integral() == 5.0",
-    },
-    Entry {
-        call: "signal.integrated(start)",
-        gives: "the cumulative integral as a signal that begins at start",
-        example: "signal([0, 1, 3], [0, 2, 2]).integrated(-1).at(3) == 4.0",
-    },
-    Entry {
-        call: "signal.filtered(class)",
-        gives: "the signal through the channel filter of that class (ISO 6487); its steps must be equal",
-        example: "let s = signal([0, 0.0001, 0.0002], [2, 2, 2]).filtered(1000); (s.at(0.0001) - 2).abs() < 1e-9",
-    },
-    Entry {
-        call: "signal.filtered_sae(class)",
-        gives: "the same with the constant of SAE J211-1",
-        example: "let s = signal([0, 0.0001, 0.0002], [2, 2, 2]).filtered_sae(600.0); (s.at(0) - 2).abs() < 1e-9",
-    },
-    Entry { call: "signal.abs()", gives: "the magnitudes", example: "signal([0, 1], [-5, 3]).abs().max() == 5.0" },
-    Entry {
-        call: "signal + signal, signal * number, -signal, …",
-        gives: "+ − * / of signals and numbers; a second signal is interpolated at the times of the first",
-        example: "let s = signal([0, 1], [5, 6]); (2 * s - s / 0.5 + 1).max() == 1.0 && (-(s - s)).min() == 0.0",
-    },
-    Entry {
-        call: "relative_error(signal, reference, [from, to])",
-        gives: "the norm of the difference over the norm of the reference, at its samples in the window (equations 14, 15)",
-        example: "let r = signal([0, 1, 2], [1, 1, 1]); let e = relative_error(1.1 * r, r, [0, 2.0]); (e - 0.1).abs() < 1e-12",
-    },
-    Entry {
-        call: "relative_residuals(signal, reference, [from, to])",
-        gives: "the differences whose norm is `relative_error`, as a signal",
-        example: "let r = signal([0, 1, 2], [1, 1, 1]); let d = relative_residuals(1.1 * r, r, [0, 2]); (d * d).integral() < 0.01",
-    },
-];
+/// Most samples of a resampled signal.
+const MOST_SAMPLES: f64 = 1e6;
+
+pub(super) fn register_measures(engine: &mut Engine) {
+    engine
+        .register_fn("hic", |s: &mut Series, window: Dynamic| {
+            let found = hic::head_injury_criterion(s, seconds(&window, "the window")?);
+            found.map(|hic| hic.value).map_err(refuse)
+        })
+        .register_fn("hic_d", hic_d)
+        .register_fn("clip", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Cumulative))
+        .register_fn("clip_contiguous", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Contiguous))
+        .register_fn("rate", rate)
+        .register_fn("resampled", resampled)
+        .register_fn("shifted", shifted)
+        .register_fn("time", |s: &mut Series| Series::new(s.time().to_vec(), s.time().to_vec()))
+        .register_fn("times", |context: NativeCallContext, s: &mut Series| list(&context, s.time()))
+        .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()));
+}
+
+fn hic_d(s: &mut Series) -> HostResult<f64> {
+    hic::head_injury_criterion(s, hic::LONG_WINDOW).map(|hic| hic::dummy_equivalent(hic.value)).map_err(refuse)
+}
+
+fn seconds(milliseconds: &Dynamic, what: &str) -> HostResult<f64> {
+    Ok(1e-3 * number(milliseconds, what)?)
+}
+
+fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> HostResult<f64> {
+    let found = clip::clip(s, seconds(duration, "the duration")?, counting);
+    found.map(|clip| clip.level).map_err(refuse)
+}
+
+fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Map> {
+    let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    Session::from_context(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
+    let notes: Array = rating.warnings.iter().map(|warning| Dynamic::from(warning.to_string())).collect();
+    let entries: [(&str, Dynamic); 9] = [
+        ("corridor", rating.corridor.into()),
+        ("phase", rating.phase.into()),
+        ("magnitude", rating.magnitude.into()),
+        ("slope", rating.slope.into()),
+        ("overall", rating.overall.into()),
+        ("grade", rating.grade.to_string().into()),
+        ("shift", rating.shift.into()),
+        ("samples", (rating.samples as INT).into()),
+        ("notes", notes.into()),
+    ];
+    Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect())
+}
+
+fn resampled(s: &mut Series, step: Dynamic) -> HostResult<Series> {
+    let step = number(&step, "the time step")?;
+    if let [first, .., last] = s.time()
+        && step > 0.0
+        && (last - first) / step >= MOST_SAMPLES
+    {
+        return Err(refuse(format!("a time step of {step} s gives more than a million samples")));
+    }
+    resample::uniform(s, step).map_err(refuse)
+}
+
+fn shifted(s: &mut Series, by: Dynamic) -> HostResult<Series> {
+    let by = number(&by, "the time shift")?;
+    let times: Vec<f64> = s.time().iter().map(|time| time + by).collect();
+    let apart = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|time| time.is_finite());
+    if apart { Ok(Series::new(times, s.values())) } else { Err(refuse(format!("times cannot be shifted by {by} s"))) }
+}
+
+/// The numbers as a list within the limit of lists.
+fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
+    let (count, most) = (numbers.len(), context.engine().max_array_size());
+    if count > most {
+        return Err(refuse(format!(
+            "the signal has {count} samples, a list holds {most}: take a slice or resample it"
+        )));
+    }
+    Ok(numbers.iter().map(|number| (*number).into()).collect())
+}

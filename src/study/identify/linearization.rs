@@ -1,93 +1,18 @@
 //! The linearization of the residuals at an estimate, by finite differences.
 
 use nalgebra::{DMatrix, DVector};
-use thiserror::Error;
 
-use crate::identify::error::SearchFailure;
-use crate::identify::objective::{Evaluation, ObjectiveValue};
+use crate::identify::evaluator::Evaluator;
+use crate::identify::objective::{Evaluation, ObjectiveValue, SearchError};
 use crate::identify::options::Search;
-use crate::identify::pool::trial_pool::{Evaluator, PoolError};
 use lab::confidence::Linearization;
-
-/// Why there is no linearization, or no confidence from it.
-#[derive(Debug, Error)]
-pub enum LinearizationError {
-    /// There are no more trials.
-    #[error(transparent)]
-    Pool(#[from] PoolError),
-    /// The objective has no value at the estimate.
-    #[error("the objective has no value at the estimate {x:?}: {cause}")]
-    Estimate {
-        /// The estimate.
-        x: Vec<f64>,
-        /// Why its trial failed.
-        cause: String,
-        /// Whether a simulation failed numerically.
-        numerical: bool,
-    },
-    /// The objective is a scalar.
-    #[error("the objective gave a number, and a confidence needs residuals: return a signal or a list")]
-    NotResiduals,
-    /// The number of residuals changed.
-    #[error("the objective gave {found} residuals at {x:?}, and {expected} at the estimate")]
-    Residuals {
-        /// The point.
-        x: Vec<f64>,
-        /// Number of residuals there.
-        found: usize,
-        /// Number of residuals at the estimate.
-        expected: usize,
-    },
-    /// There are too few residuals.
-    #[error(
-        "the objective gave {found} residuals for {unknowns} parameters: there must be more residuals than parameters"
-    )]
-    TooFew {
-        /// Number of residuals.
-        found: usize,
-        /// Number of parameters.
-        unknowns: usize,
-    },
-    /// The lengths of the parts do not add up, or there are no confidence intervals.
-    #[error(transparent)]
-    Confidence(#[from] lab::Error),
-    /// The trials on both sides of a parameter failed.
-    #[error("the trials beside {parameter} failed, there is no derivative: at {x:?}: {cause}")]
-    NoDerivative {
-        /// The parameter.
-        parameter: String,
-        /// The point of the last failed trial.
-        x: Vec<f64>,
-        /// Why it failed.
-        cause: String,
-        /// Whether a simulation failed numerically.
-        numerical: bool,
-    },
-}
-
-impl SearchFailure for LinearizationError {
-    fn is_numerical(&self) -> bool {
-        matches!(
-            self,
-            LinearizationError::Estimate { numerical: true, .. }
-                | LinearizationError::NoDerivative { numerical: true, .. }
-        )
-    }
-
-    fn cause_of_trial(&self) -> Option<&str> {
-        match self {
-            LinearizationError::Estimate { cause, .. } | LinearizationError::NoDerivative { cause, .. } => Some(cause),
-            _ => None,
-        }
-    }
-}
 
 /// The linearization at the start of `search`, by central differences where bounds and failed trials allow; all
 /// trials are evaluated at once. The step is `difference` times the parameter.
 ///
 /// # Errors
 /// No residuals at the estimate, too few of them, or failed trials on both sides of a parameter.
-pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
+pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_>) -> Result<Linearization, SearchError> {
     // With as many unknowns as residuals, no degree of freedom is left from which to estimate their variance.
     linearize(search, evaluator, search.start.len() + 1)
 }
@@ -96,16 +21,12 @@ pub fn linearize_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Res
 ///
 /// # Errors
 /// No residuals at the estimate, or failed trials on both sides of a parameter.
-pub fn weigh_at_start(search: &Search, evaluator: &Evaluator<'_, '_>) -> Result<Linearization, LinearizationError> {
+pub fn weigh_at_start(search: &Search, evaluator: &Evaluator<'_>) -> Result<Linearization, SearchError> {
     linearize(search, evaluator, 0)
 }
 
 /// The linearization of at least `fewest` residuals.
-fn linearize(
-    search: &Search,
-    evaluator: &Evaluator<'_, '_>,
-    fewest: usize,
-) -> Result<Linearization, LinearizationError> {
+fn linearize(search: &Search, evaluator: &Evaluator<'_>, fewest: usize) -> Result<Linearization, SearchError> {
     let x = &search.start;
     let steps: Vec<[Option<f64>; 2]> = (0..x.len()).map(|index| steps(search, index)).collect();
     // The estimate itself first, then all steps: one batch, so that all threads have work from the beginning.
@@ -118,15 +39,16 @@ fn linearize(
     );
     let mut found = evaluator.evaluate_all(&points)?.into_iter();
     let residuals = match found.next() {
-        Some(found) => residuals(found)?.map_err(|Failed { cause, numerical }| LinearizationError::Estimate {
-            x: x.clone(),
-            cause,
-            numerical,
-        })?,
-        None => return Err(PoolError::Closed.into()),
+        Some(found) => residuals(found)?
+            .map_err(|failed| failed.at(format!("the objective has no value at the estimate {x:?}")))?,
+        None => return Err(SearchError::Ended),
     };
     if residuals.len() < fewest {
-        return Err(LinearizationError::TooFew { found: residuals.len(), unknowns: x.len() });
+        return Err(SearchError::refused(format!(
+            "the objective gave {found} residuals for {unknowns} parameters: there must be more residuals than parameters",
+            found = residuals.len(),
+            unknowns = x.len()
+        )));
     }
     let mut linearization = Linearization {
         x: x.clone(),
@@ -149,17 +71,16 @@ fn set_column(
     search: &Search,
     index: usize,
     sides: Vec<(f64, Evaluation)>,
-) -> Result<(), LinearizationError> {
-    let parameter = || search.names[index].clone();
+) -> Result<(), SearchError> {
+    let beside_parameter =
+        |x: &[f64]| format!("the trials beside {} failed, there is no derivative: at {x:?}", search.names[index]);
     let mut slopes = Vec::new();
     let mut failure = None;
     for (step, found) in sides {
         let x = beside(&linearization.x, index, step);
         match residuals(found)? {
             Ok(there) => slopes.push((step, difference(linearization, &x, there)?)),
-            Err(Failed { cause, numerical }) => {
-                failure = Some(LinearizationError::NoDerivative { parameter: parameter(), x, cause, numerical });
-            }
+            Err(failed) => failure = Some(failed.at(beside_parameter(&x))),
         }
     }
     let slope = match (&slopes[..], failure) {
@@ -173,26 +94,23 @@ fn set_column(
             difference / *step
         }
         (_, Some(failure)) => return Err(failure),
-        (_, None) => return Err(PoolError::Closed.into()),
+        (_, None) => return Err(SearchError::Ended),
     };
     if slope.iter().any(|slope| !slope.is_finite()) {
-        let cause = "the differences of the residuals overflow".into();
-        return Err(LinearizationError::NoDerivative {
-            parameter: parameter(),
-            x: linearization.x.clone(),
-            cause,
-            numerical: false,
-        });
+        let failed = Failed { cause: "the differences of the residuals overflow".into(), numerical: false };
+        return Err(failed.at(beside_parameter(&linearization.x)));
     }
     linearization.jacobian.set_column(index, &slope);
     Ok(())
 }
 
 /// The residuals `there`, at `x`, less those at the estimate.
-fn difference(linearization: &Linearization, x: &[f64], there: Vec<f64>) -> Result<DVector<f64>, LinearizationError> {
+fn difference(linearization: &Linearization, x: &[f64], there: Vec<f64>) -> Result<DVector<f64>, SearchError> {
     let (found, expected) = (there.len(), linearization.residuals.len());
     if found != expected {
-        return Err(LinearizationError::Residuals { x: x.into(), found, expected });
+        return Err(SearchError::refused(format!(
+            "the objective gave {found} residuals at {x:?}, and {expected} at the estimate"
+        )));
     }
     Ok(DVector::from_vec(there) - &linearization.residuals)
 }
@@ -220,12 +138,21 @@ struct Failed {
     numerical: bool,
 }
 
+impl Failed {
+    /// The error of a trial at this place.
+    fn at(self, place: String) -> SearchError {
+        SearchError::Trial { place, cause: self.cause, numerical: self.numerical }
+    }
+}
+
 /// Residuals, or why the trial failed.
-fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, LinearizationError> {
+fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, SearchError> {
     match found {
         Evaluation::Value(ObjectiveValue::Residuals(residuals)) => Ok(Ok(residuals)),
-        Evaluation::Value(ObjectiveValue::Scalar(_)) => Err(LinearizationError::NotResiduals),
+        Evaluation::Value(ObjectiveValue::Scalar(_)) => Err(SearchError::refused(
+            "the objective gave a number, and a confidence needs residuals: return a signal or a list",
+        )),
         Evaluation::Failed { cause, numerical } => Ok(Err(Failed { cause, numerical })),
-        Evaluation::Fatal(cause) => Err(PoolError::Fatal(cause).into()),
+        Evaluation::Fatal(cause) => Err(cause.into()),
     }
 }

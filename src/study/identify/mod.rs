@@ -2,8 +2,9 @@
 //! are known.
 //!
 //! [`minimize`] searches with one of three [methods](Method) from one or several starts. A [`TrialPool`] evaluates the
-//! trials of one or several searches in parallel, also speculatively, which does not change the result, to the bit. [`Confidence`](lab::confidence::Confidence) says how well the parameters are known. The
-//! bindings offer all of it to scripts.
+//! trials of one or several searches in parallel, also some that the search may not use, which does not change the result, to the
+//! bit. [`Confidence`](lab::confidence::Confidence) says how well the parameters are known. The bindings offer all of it to
+//! scripts.
 //!
 //! ```
 //! use droptower_study::identify::{Method, Search, SearchError, minimize, with_evaluator};
@@ -16,35 +17,21 @@
 //! ```
 
 mod bindings;
-mod bounds;
 mod convergence;
-mod error;
-mod iteration;
+mod evaluator;
 mod linearization;
 mod method;
 mod objective;
 mod options;
-mod point;
-mod pool;
-mod progress;
-mod result;
 mod search;
-mod starts;
 mod warning;
 
 pub(crate) use bindings::{HostSearch, failure};
-pub use bindings::{REFERENCE, SearchEvent, SearchHost, SearchStart, register};
-pub use bounds::{Bounds, BoundsError, Side};
-pub use convergence::{Labels, Phase, SignalLabel};
-pub use error::SearchError;
-pub(crate) use error::SearchFailure;
-pub use iteration::{Iteration, Step, StopReason};
-pub use linearization::{LinearizationError, linearize_at_start, weigh_at_start};
-pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, Trial};
-pub use options::{Method, OptionsError, Search, Starts};
-pub use point::Point;
-pub use pool::trial_pool::{Evaluator, PoolError, TrialEvent, TrialPool, with_evaluator};
-pub use progress::Progress;
-pub use result::{SearchResult, StartResult};
-pub use search::minimize;
+pub use bindings::{SearchEvent, SearchHost, SearchStart, register};
+pub use convergence::{Labels, Phase, Progress, SignalLabel};
+pub use evaluator::{Evaluator, TrialEvent, TrialPool, with_evaluator};
+pub use linearization::{linearize_at_start, weigh_at_start};
+pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, SearchError, Trial};
+pub use options::{Bounds, Method, Point, Search, Side, Starts};
+pub use search::{Iteration, SearchResult, StartResult, Step, StopReason, minimize};
 pub use warning::{CODES, Warning};

@@ -11,8 +11,7 @@ use base::cancellation::Cancellation;
 
 /// An objective function: a scalar, or residuals whose sum of squares is minimized.
 ///
-/// It is evaluated from several threads at once, in any order, also at speculative points whose values the search may
-/// not use. A closure `Fn(&[f64]) -> T` is one where `T` is `f64`, `Vec<f64>` (residuals) or a `Result` of these.
+/// It is evaluated from several threads at once, in any order, also at points whose values the search may not use. A closure `Fn(&[f64]) -> T` is one where `T` is `f64`, `Vec<f64>` (residuals) or a `Result` of these.
 pub trait Objective: Sync {
     /// The outcome at `x`, a function of `x` alone. The outcome of a cancelled evaluation is discarded.
     fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
@@ -72,6 +71,50 @@ pub enum ObjectiveValue {
 #[derive(Clone, Debug, Error)]
 #[error("{0}")]
 pub struct FatalError(Arc<dyn Error + Send + Sync>);
+
+/// Why a search, or an estimate about its result, has no result.
+#[derive(Clone, Debug, Error)]
+pub enum SearchError {
+    /// The objective cannot be evaluated any more.
+    #[error("{0}")]
+    Fatal(#[from] FatalError),
+    /// The search was ended, for an error that is reported elsewhere.
+    #[error("the search was ended")]
+    Ended,
+    /// A trial failed without which there is no result.
+    #[error("{place}: {cause}")]
+    Trial {
+        /// Where, in words.
+        place: String,
+        /// Why it failed.
+        cause: String,
+        /// Whether a simulation failed numerically.
+        numerical: bool,
+    },
+    /// What is searched, or what the objective gives, does not suit.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl SearchError {
+    /// What is searched, or what the objective gives, does not suit for this cause.
+    pub fn refused(cause: impl fmt::Display) -> SearchError {
+        SearchError::Refused(cause.to_string())
+    }
+
+    /// Whether a simulation failed numerically.
+    pub(crate) fn is_numerical(&self) -> bool {
+        matches!(self, SearchError::Trial { numerical: true, .. })
+    }
+
+    /// Why the trial failed without which there is no result; none where no trial did.
+    pub(crate) fn cause_of_trial(&self) -> Option<&str> {
+        match self {
+            SearchError::Trial { cause, .. } => Some(cause),
+            _ => None,
+        }
+    }
+}
 
 impl From<Evaluation> for Trial {
     fn from(evaluation: Evaluation) -> Trial {

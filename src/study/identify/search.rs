@@ -1,15 +1,15 @@
-//! A search: one method from one or several starts.
+//! A search: one method from one or several starts, its iterations and its result.
 
-use super::error::SearchError;
-use super::iteration::{Iteration, StopReason};
-use super::method::trials::{Failures, SearchContext, Trials};
-use super::method::{bounded, cma_es, levenberg_marquardt, nelder_mead};
-use super::objective::FatalError;
-use super::options::{Method, Search, Starts};
-use super::pool::trial_pool::{Evaluator, PoolError};
-use super::result::{SearchResult, StartResult};
-use super::starts;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::evaluator::Evaluator;
+use super::method::{Failures, SearchContext, Trials, cma_es, falls_beyond, levenberg_marquardt, nelder_mead};
+use super::objective::{Evaluation, SearchError};
+use super::options::{Method, Point, Search, Starts};
 use super::warning::Warning;
+use uncertainty::design::{self, Levels};
 
 /// Minimizes the objective of `evaluator` from all starts of `search`; `observer` is called after each iteration.
 ///
@@ -19,22 +19,22 @@ use super::warning::Warning;
 /// A start without a value, a fatal error of the objective, or an objective that does not suit the method.
 pub fn minimize(
     search: &Search,
-    evaluator: &Evaluator<'_, '_>,
+    evaluator: &Evaluator<'_>,
     observer: &mut (dyn FnMut(&Iteration) + Send),
 ) -> Result<SearchResult, SearchError> {
     let mut results = Vec::new();
     let mut warnings = Vec::new();
     let mut failures = Failures::default();
     let mut left_out = Vec::new();
-    let (starts, screened) = starts::all(search, evaluator)?;
+    let (starts, screened) = all_starts(search, evaluator)?;
     for (number, start) in starts.into_iter().enumerate() {
         // Each start has its own count of trials and failures, so that its result does not depend on those before it.
         let trials = Trials::new(search, evaluator);
         match trials.at_start(&start) {
             // The first start is what the user wrote: without a value there the search has no base. Of the others, which are
             // drawn, one may fall where the model has none.
-            Err(SearchError::Start { x, cause, .. }) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
-                left_out.push((x, cause));
+            Err(SearchError::Trial { cause, .. }) if number > 0 && matches!(search.starts, Starts::Spread(_)) => {
+                left_out.push((start, cause));
                 continue;
             }
             value => drop(value?),
@@ -55,10 +55,10 @@ pub fn minimize(
         });
         failures.add(trials.failures());
     }
-    warnings.extend(starts::left_out(search, left_out));
+    warnings.extend(left_out_starts(search, left_out));
     warnings.extend(failures.warning(search));
     let Some(best) = results.iter().min_by(|a, b| a.f.total_cmp(&b.f)).cloned() else {
-        return Err(PoolError::Fatal(FatalError::from("there is no start")).into());
+        return Err(SearchError::refused("there is no start"));
     };
     if !best.converged && best.reason != StopReason::OnBound {
         warnings.push(Warning::NotConverged { reason: best.reason.clone() });
@@ -68,22 +68,257 @@ pub fn minimize(
     for (index, side) in search.bounds.active(&best.x) {
         let (parameter, value) = (search.names[index].clone(), best.x[index]);
         let falls_beyond = match search.method {
-            Method::LevenbergMarquardt => bounded::falls_beyond((index, side), &best.x, search, &trials)?,
+            Method::LevenbergMarquardt => falls_beyond((index, side), &best.x, search, &trials)?,
             Method::NelderMead | Method::CmaEs => None,
         };
         warnings.push(Warning::OnBound { parameter, value, side, falls_beyond });
     }
-    warnings.extend(starts::disagreement(search, &best, &results));
+    warnings.extend(disagreement(search, &best, &results));
     Ok(SearchResult { best, starts: results, screened, warnings })
+}
+
+/// Relative difference of objective values, or of points, above which the results of two starts differ, where the
+/// tolerances are not wider.
+const DIFFERENT: f64 = 0.01;
+
+/// The starts of `search`, its own first, and how many evaluations they took.
+///
+/// # Errors
+/// An evaluation is fatal.
+pub(super) fn all_starts(search: &Search, evaluator: &Evaluator<'_>) -> Result<(Vec<Vec<f64>>, usize), SearchError> {
+    let (others, evaluations) = match &search.starts {
+        Starts::One => (vec![], 0),
+        Starts::Given(starts) => (starts.clone(), 0),
+        Starts::Spread(count) => (spread(search, count.saturating_sub(1)), 0),
+        Starts::Lowest(_, points) => (lowest(points, search.starts.count() - 1, evaluator)?, points.len()),
+    };
+    Ok((std::iter::once(search.start.clone()).chain(others).collect(), evaluations))
+}
+
+/// The `count` points with the lowest values; those without a value are none.
+fn lowest(points: &[Vec<f64>], count: usize, evaluator: &Evaluator<'_>) -> Result<Vec<Vec<f64>>, SearchError> {
+    let mut found: Vec<(f64, &Vec<f64>)> = Vec::new();
+    for (x, evaluation) in points.iter().zip(evaluator.evaluate_all(points)?) {
+        match evaluation {
+            Evaluation::Value(value) => found.push((value.value(), x)),
+            Evaluation::Failed { .. } => {}
+            Evaluation::Fatal(error) => return Err(error.into()),
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(found.into_iter().take(count).map(|(_, x)| x.clone()).collect())
+}
+
+/// A Latin hypercube over the bounds.
+fn spread(search: &Search, count: usize) -> Vec<Vec<f64>> {
+    let axes = vec![Levels::Continuous; search.start.len()];
+    // Without an unknown, or another start, there is nothing to spread.
+    let design = design::points(design::Method::LatinHypercube, &axes, count, search.seed).unwrap_or_default();
+    let within = |point: Vec<f64>| -> Vec<f64> {
+        point.iter().zip(search.bounds.pairs()).map(|(u, [lower, upper])| lower + (upper - lower) * u).collect()
+    };
+    design.into_iter().map(within).collect()
+}
+
+/// A warning where starts of `search` are left out.
+pub(super) fn left_out_starts(search: &Search, left_out: Vec<(Vec<f64>, String)>) -> Option<Warning> {
+    let (count, starts) = (left_out.len(), search.starts.count());
+    let (x, cause) = left_out.into_iter().next()?;
+    Some(Warning::StartsLeftOut { count, starts, first: Point::new(&search.names, &x), cause })
+}
+
+/// Warnings where not all `results` are the best one.
+pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[StartResult]) -> Vec<Warning> {
+    let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
+    let is_elsewhere = |other: &&StartResult| {
+        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(100.0 * search.tol_x);
+        !is_higher(other) && other.x.iter().zip(&best.x).any(differs)
+    };
+    let starts = results.len();
+    let values: Vec<f64> = results.iter().filter(is_higher).map(|other| other.f).collect();
+    let higher = (!values.is_empty()).then_some(Warning::StartsDisagree { starts, best: best.f, values });
+    let count = results.iter().filter(is_elsewhere).count();
+    let elsewhere = (count > 0).then_some(Warning::NotUnique { count, starts });
+    higher.into_iter().chain(elsewhere).collect()
+}
+
+/// The state of a search after an iteration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iteration {
+    /// Number of the start, from zero.
+    pub start: usize,
+    /// Number of the iteration, from one.
+    pub iteration: usize,
+    /// Points that the search has requested so far.
+    pub evaluations: usize,
+    /// The best point so far.
+    pub x: Vec<f64>,
+    /// Its objective value.
+    pub f: f64,
+    /// Nelder–Mead: largest distance of a vertex from the best along an axis. CMA-ES: step size σ.
+    pub size: Option<f64>,
+    /// Nelder–Mead: largest difference of the value at a vertex from the best.
+    pub spread: Option<f64>,
+    /// The kind of step that the iteration made.
+    pub step: Step,
+}
+
+/// The kind of step of an iteration of a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// The first point, simplex or Jacobian.
+    Initial,
+    /// Nelder–Mead: the worst vertex was reflected.
+    Reflected,
+    /// Nelder–Mead: the worst vertex was reflected and expanded.
+    Expanded,
+    /// Nelder–Mead: contracted between centroid and reflected point.
+    ContractedOutside,
+    /// Nelder–Mead: contracted between centroid and worst vertex.
+    ContractedInside,
+    /// Nelder–Mead: all vertices moved towards the best.
+    Shrunk,
+    /// Levenberg–Marquardt: a step was accepted.
+    Accepted,
+    /// Levenberg–Marquardt: the last point.
+    Final,
+    /// CMA-ES: a generation was evaluated.
+    Generation,
+}
+
+impl Step {
+    /// Its name in tables of scripts.
+    pub fn name(self) -> &'static str {
+        match self {
+            Step::Initial => "initial",
+            Step::Reflected => "reflected",
+            Step::Expanded => "expanded",
+            Step::ContractedOutside => "contracted_outside",
+            Step::ContractedInside => "contracted_inside",
+            Step::Shrunk => "shrunk",
+            Step::Accepted => "step",
+            Step::Final => "final",
+            Step::Generation => "generation",
+        }
+    }
+}
+
+/// Why a search stopped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// Nelder–Mead: the simplex meets both tolerances.
+    SimplexTolerance,
+    /// Levenberg–Marquardt: the relative reduction of the sum of squares is below `tol_f`.
+    SumOfSquaresTolerance,
+    /// Levenberg–Marquardt: the reductions of three steps in a row are below `tol_f`, though the linear model promises more.
+    SlowDescent,
+    /// Levenberg–Marquardt: the relative change of x is below `tol_x`.
+    StepTolerance,
+    /// Levenberg–Marquardt: the residuals are orthogonal to the columns of the Jacobian.
+    ZeroGradient,
+    /// Levenberg–Marquardt: all residuals are zero.
+    ZeroResiduals,
+    /// CMA-ES: the objective values differ by less than `tol_f`.
+    ObjectiveTolerance,
+    /// CMA-ES: the standard deviations are below `tol_x`.
+    DistributionTolerance,
+    /// The limit of iterations was reached.
+    MaxIterations,
+    /// The limit of evaluations was reached.
+    MaxEvaluations,
+    /// The tolerances are met at a point on a bound.
+    OnBound,
+    /// Levenberg–Marquardt: a tolerance is below what rounding allows; its name in MINPACK.
+    NoImprovement(&'static str),
+    /// Levenberg–Marquardt: this quantity is not finite.
+    NotFinite(&'static str),
+    /// Levenberg–Marquardt: this quantity is missing or has another size than before.
+    Unavailable(&'static str),
+    /// There are no unknowns or no residuals.
+    Empty,
+    /// CMA-ES: another termination criterion, by the name that the method gives it.
+    Method(String),
+}
+
+impl StopReason {
+    /// The limit of `search` that ended it after `iterations`.
+    pub(crate) fn limit(iterations: usize, search: &Search) -> StopReason {
+        if iterations >= search.max_iterations { StopReason::MaxIterations } else { StopReason::MaxEvaluations }
+    }
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            StopReason::SimplexTolerance => f.write_str("the simplex is within tol_x and tol_f"),
+            StopReason::SumOfSquaresTolerance => f.write_str("the sum of squares changes by less than tol_f of itself"),
+            StopReason::SlowDescent => {
+                f.write_str("three steps in a row changed the sum of squares by less than tol_f of itself")
+            }
+            StopReason::StepTolerance => f.write_str("x changes by less than tol_x of itself"),
+            StopReason::ZeroGradient => f.write_str("the gradient is zero"),
+            StopReason::ZeroResiduals => f.write_str("the residuals are zero"),
+            StopReason::ObjectiveTolerance => f.write_str("the objective changes by less than tol_f"),
+            StopReason::DistributionTolerance => f.write_str("the distribution is narrower than tol_x"),
+            StopReason::MaxIterations => f.write_str("max_iterations was reached"),
+            StopReason::MaxEvaluations => f.write_str("max_evaluations was reached"),
+            StopReason::OnBound => f.write_str("the best point lies on a bound"),
+            StopReason::NoImprovement(tolerance) => write!(f, "no improvement is possible ({tolerance})"),
+            StopReason::NotFinite(quantity) => write!(f, "{quantity} is not finite"),
+            StopReason::Unavailable(quantity) => write!(f, "{quantity} unavailable"),
+            StopReason::Empty => f.write_str("there are no unknowns or no residuals"),
+            StopReason::Method(name) => write!(f, "the method stopped ({name})"),
+        }
+    }
+}
+
+/// As its message.
+impl Serialize for StopReason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The result of one start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartResult {
+    /// The best point.
+    pub x: Vec<f64>,
+    /// Its objective value.
+    pub f: f64,
+    /// Number of iterations.
+    pub iterations: usize,
+    /// Points that the search requested.
+    pub evaluations: usize,
+    /// Whether a tolerance was met.
+    pub converged: bool,
+    /// Why the search stopped.
+    pub reason: StopReason,
+    /// [`Iteration::size`] at the end.
+    pub size: Option<f64>,
+    /// All iterations.
+    pub history: Vec<Iteration>,
+}
+
+/// The result of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchResult {
+    /// The best of all starts.
+    pub best: StartResult,
+    /// The results of all starts, in their order.
+    pub starts: Vec<StartResult>,
+    /// Points that were evaluated to choose starts among them.
+    pub screened: usize,
+    /// Doubts about the result.
+    pub warnings: Vec<Warning>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::bounds::{Bounds, Side};
+    use crate::identify::evaluator::with_evaluator;
     use crate::identify::objective::{Evaluation, Objective, ObjectiveValue};
-    use crate::identify::point::unnamed;
-    use crate::identify::pool::trial_pool::with_evaluator;
+    use crate::identify::options::{Bounds, Method, Side, unnamed};
 
     fn banana(x: &[f64]) -> f64 {
         100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
@@ -109,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn rosenbrock_takes_the_iterations_of_fminsearch_with_speculative_trials() {
+    fn rosenbrock_takes_the_iterations_of_fminsearch_with_trials_ahead() {
         let best = found(&Search::new(Method::NelderMead, vec![-1.2, 1.0]), &banana, 4).unwrap().best;
         assert_eq!((best.iterations, best.evaluations, best.converged), (85, 159, true));
         assert_eq!(best.history.len(), 85);
@@ -241,7 +476,7 @@ mod tests {
         let left_out = |warning: &Warning| matches!(warning, Warning::StartsLeftOut { count: 2, starts: 5, .. });
         assert!(best.warnings.iter().any(left_out), "{:?}", best.warnings);
         let given = Search { starts: Starts::Given(vec![vec![7.0]]), ..search };
-        assert!(matches!(found(&given, &half, 2), Err(SearchError::Start { .. })));
+        assert!(matches!(found(&given, &half, 2), Err(SearchError::Trial { .. })));
     }
 
     #[test]
@@ -285,7 +520,7 @@ mod tests {
         }
     }
 
-    /// The surrogate moves the simplex onto its bounds, where all points are cached.
+    /// The simplex moves onto its bounds, where its points are known.
     #[test]
     fn a_minimum_on_bounds_is_found_by_any_number_of_threads() {
         let flat = |x: &[f64]| vec![x[0], 1.0];
@@ -308,5 +543,21 @@ mod tests {
         let best = found(&search, &banana, 1).unwrap();
         assert!(!best.best.converged);
         assert_eq!(best.warnings, [Warning::NotConverged { reason: StopReason::MaxEvaluations }]);
+    }
+
+    #[test]
+    fn every_part_of_every_axis_holds_one_start() {
+        let bounds = Bounds::new(&unnamed(2), Some(vec![-1.0, 10.0]), Some(vec![1.0, 20.0])).unwrap();
+        let search = Search { bounds, seed: 7, ..Search::new(Method::NelderMead, vec![0.0, 11.0]) };
+        let points = spread(&search, 8);
+        assert_eq!(points.len(), 8);
+        for (axis, [lower, upper]) in search.bounds.pairs().enumerate() {
+            let mut parts: Vec<usize> =
+                points.iter().map(|x| (8.0 * (x[axis] - lower) / (upper - lower)) as usize).collect();
+            parts.sort_unstable();
+            assert_eq!(parts, [0, 1, 2, 3, 4, 5, 6, 7]);
+        }
+        assert_ne!(spread(&Search { seed: 8, ..search.clone() }, 8), points);
+        assert_eq!(spread(&search, 8), points);
     }
 }

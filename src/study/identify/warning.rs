@@ -1,8 +1,8 @@
 //! Warnings of searches.
 
-use super::bounds::Side;
-use super::iteration::StopReason;
-use super::point::Point;
+use super::options::Point;
+use super::options::Side;
+use super::search::StopReason;
 use base::findings;
 use base::number;
 

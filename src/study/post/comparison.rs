@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::headline::is_key_figure;
+use super::figures::is_key_figure;
 use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::store::StoredRun;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::figures::SUMMARY;
 use super::{ReferenceComparison, Results};
 use crate::field_comparison::FieldComparison;
-use crate::script::{Entry, Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
+use crate::script::{Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
 use lab::dic::Field;
 use lab::signal::{Recording, Series, column};
@@ -221,47 +221,3 @@ pub(crate) fn scope(run: Run) -> Scope<'static> {
     scope.push_constant("run", run);
     scope
 }
-
-/// The reference of runs in scripts.
-pub const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "run.time, run.displacement, run.velocity, run.acceleration, …",
-        gives: "the channels as signals, SI (of several impactors `run.head_displacement` …); `acceleration` is the filtered one, `acceleration_raw` the one before the \
-                filter; of a rectangle `frame_force_x` and `frame_force_y`, the mean force on its held sides across an axis",
-        example: "run.acceleration.len() == run.acceleration_raw.len() && run.displacement.min() < 0",
-    },
-    Entry {
-        call: "run.signals.<column>, run.signals.names()",
-        gives: "the columns of signals.csv by their full names",
-        example: r#"run.signals.velocity_m_s.at(0) < 0 && "velocity_m_s" in run.signals.names()"#,
-    },
-    Entry {
-        call: "run.energies.<column>, run.energies.names()",
-        gives: "the terms of the energy audit, J",
-        example: r#""sum_J" in run.energies.names() && run.energies.sum_J.len() > 1"#,
-    },
-    Entry {
-        call: "run.field.rms, .largest, .relative, .points, .compared",
-        gives: "the errors against the displacement field of the reference: root mean square and largest (m), norm over that of \
-                the measured displacements, points that were matched and those on the film; `run.field` is () without one",
-        example: "run.field == ()",
-    },
-    Entry {
-        call: "run.field.residuals(), run.field.residuals(deviation), run.field.relative_residuals()",
-        gives: "a list for a search, x, y and z of every point and time: simulated less measured displacement (m), that over \
-                the standard deviation of the measurement (m), or such that their norm is the relative error",
-        example: r#"let field = scenario("scenarios/inflation/field.toml").simulate().field;
-                    field.residuals(1e-5).len() == 3 * field.points && run.field == ()"#,
-    },
-    Entry {
-        call: "run.summary.<figure>",
-        gives: "the figures of summary.json; () where there is none",
-        example: "run.summary.elements > 0 && run.summary.rupture_time_s == ()",
-    },
-    Entry {
-        call: "run.model.<fact>",
-        gives: "what was run: name, title, layers, thickness of one layer (m) and prestrain ([md, td]; lists with one entry per \
-                 face), and of its loading mass (kg; of several impactors `impactors`, a list of name and mass), velocity (m/s), gravity (m/s²), duration (s), angle (rad), until, depth (m), pressure (Pa), ramp (s)",
-        example: "run.model.layers[0] == 8 && run.model.thickness[0] == 12e-6 && run.model.mass > 10",
-    },
-];

@@ -307,6 +307,14 @@ pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
     message.to_string().into()
 }
 
+/// The same with a hint in parentheses.
+pub fn refuse_hinted(message: &impl Display, hint: Option<impl Display>) -> Box<EvalAltResult> {
+    match hint {
+        Some(hint) => refuse(format!("{message} ({hint})")),
+        None => refuse(message),
+    }
+}
+
 /// The place of the key `name` of a map among the arguments of the call at `call`; none where the map was built before.
 pub(super) fn place_of_key(program: &AST, name: &str, call: Position) -> Option<Position> {
     let is_call = |node: &ASTNode| match node {

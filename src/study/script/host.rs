@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::fault::TooLarge;
 use super::module::{self, Finder, LONGEST_SCRIPT, Resolver, SourceText, Unit};
-use super::{Fault, Session, call_options, calls, fault, fields, panic};
+use super::{Fault, Session, checks, fault, session};
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
 
@@ -95,7 +95,7 @@ pub fn engine(limits: Limits) -> Engine {
     engine.set_default_tag(session);
     stop_beyond(&mut engine, limits, &Cancellation::default());
     super::fault::register(&mut engine);
-    super::sort::register(&mut engine);
+    super::values::register_sort(&mut engine);
     engine
 }
 
@@ -106,7 +106,7 @@ pub fn stop_beyond(engine: &mut Engine, limits: Limits, cancellation: &Cancellat
     let budget = Session::of_engine(engine).budget().clone();
     engine.on_progress(move |operations| {
         if cancellation.is_cancelled() {
-            return Some(panic::STOPPED.into());
+            return Some(session::STOPPED.into());
         }
         if budget.held() > limits.bytes {
             return Some(Dynamic::from(TooLarge::new(limits.bytes)));
@@ -187,9 +187,9 @@ impl Script {
         let (shipped, reads_files) = session.modules();
         let finder = Finder { script: place, shipped, reads_files };
         let units = module::load(engine, &finder, source, program)?;
-        let mut faults = calls::undefined(engine, &units);
-        faults.extend(fields::unknown(&session.fields(), &units));
-        faults.extend(call_options::unknown(&session.call_options(), &units));
+        let mut faults = checks::undefined_calls(engine, &units);
+        faults.extend(checks::unknown_fields(&session.fields(), &units));
+        faults.extend(checks::unknown_options(&session.call_options(), &units));
         if faults.is_empty() { Ok(Script { units }) } else { Err(faults) }
     }
 
@@ -256,7 +256,7 @@ impl Script {
         session: &Session,
         work: impl FnOnce() -> Result<Dynamic, Box<EvalAltResult>>,
     ) -> Result<Dynamic, Fault> {
-        let caught = || panic::catch(session.cancellation(), || session.last_call(), work);
+        let caught = || session::catch(session.cancellation(), || session.last_call(), work);
         let result = session.budget().count(caught);
         result.map_err(|error| Fault::running(engine, &self.units, &error))
     }

@@ -1,18 +1,17 @@
 //! The output of a script: figures, tables, plots, files, findings and a log.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use serde_json::Value;
-use thiserror::Error;
-
 use super::ConvergenceHistory;
-use super::files::{File, FileError, Files};
-use super::plots::{self, PlotError};
+use super::plots;
 use super::warning::Warning;
+use crate::Error;
 use crate::store::run_files::RESERVED_NAMES;
 use base::finding::{Finding, is_code};
 use plot::{Correlation, Plot};
+use serde_json::Value;
 
 /// One row of a table: column name and value, in order.
 pub type Row = serde_json::Map<String, Value>;
@@ -46,30 +45,9 @@ pub struct ScriptOutput {
     pub findings: Vec<Finding>,
 }
 
-/// Why a figure, a table, a line or a warning of a script is refused.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum OutputError {
-    /// The name has other characters, none or too many.
-    #[error("`{name}` is not a name for a figure or a table: use letters, digits and _")]
-    Letters {
-        /// Name of the figure or table, as the script gives it.
-        name: String,
-    },
-    /// The name belongs to the summary.
-    #[error("`{name}` is a field of the summary and cannot be replaced: {}", remedy(name))]
-    Reserved {
-        /// Name of the figure, a field of the summary.
-        name: String,
-    },
-    /// The code is not one, see [`is_code`].
-    #[error("`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`")]
-    Code {
-        /// Code of the warning, as the script gives it.
-        code: String,
-    },
-    /// There are `MOST_ENTRIES` of a kind.
-    #[error("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings")]
-    TooMany,
+/// There are `MOST_ENTRIES` of a kind.
+fn too_many() -> Error {
+    Error::new(format!("a script leaves at most {MOST_ENTRIES} figures, tables, rows, lines or warnings"))
 }
 
 fn remedy(reserved: &str) -> &'static str {
@@ -163,11 +141,11 @@ impl OutputCollector {
     ///
     /// # Errors
     /// The name is not one, is reserved, or there are too many.
-    pub fn measure(&self, name: &str, value: Value) -> Result<(), OutputError> {
+    pub fn measure(&self, name: &str, value: Value) -> Result<(), Error> {
         self.check(name)?;
         let measures = &mut self.lock().measures;
         if measures.len() >= MOST_ENTRIES {
-            return Err(OutputError::TooMany);
+            return Err(too_many());
         }
         measures.insert(name.into(), value);
         Ok(())
@@ -177,11 +155,11 @@ impl OutputCollector {
     ///
     /// # Errors
     /// The name is not one, is reserved, or there are too many tables or rows.
-    pub fn table(&self, name: &str, rows: Vec<Row>) -> Result<(), OutputError> {
+    pub fn table(&self, name: &str, rows: Vec<Row>) -> Result<(), Error> {
         self.check(name)?;
         let tables = &mut self.lock().tables;
         if tables.len() >= MOST_ENTRIES || rows.len() > MOST_ENTRIES {
-            return Err(OutputError::TooMany);
+            return Err(too_many());
         }
         // One file a table: two names must differ on every file system.
         tables.retain(|(other, _)| !other.eq_ignore_ascii_case(name));
@@ -198,9 +176,9 @@ impl OutputCollector {
     ///
     /// # Errors
     /// There are too many.
-    pub fn log(&self, line: &str) -> Result<(), OutputError> {
+    pub fn log(&self, line: &str) -> Result<(), Error> {
         if self.lock().log.len() >= MOST_ENTRIES {
-            return Err(OutputError::TooMany);
+            return Err(too_many());
         }
         (self.listener)(Message::Line(line));
         self.lock().log.push(line.into());
@@ -211,7 +189,7 @@ impl OutputCollector {
     ///
     /// # Errors
     /// The code is not one, or there are too many warnings.
-    pub fn warn(&self, code: &str, text: &str) -> Result<(), OutputError> {
+    pub fn warn(&self, code: &str, text: &str) -> Result<(), Error> {
         self.report(Finding::of_script(code, text))
     }
 
@@ -219,12 +197,15 @@ impl OutputCollector {
     ///
     /// # Errors
     /// Its code is not one, or there are too many findings.
-    pub fn report(&self, finding: Finding) -> Result<(), OutputError> {
+    pub fn report(&self, finding: Finding) -> Result<(), Error> {
         if !is_code(&finding.code) {
-            return Err(OutputError::Code { code: finding.code.chars().take(80).collect() });
+            return Err(Error::new(format!(
+                "`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`",
+                code = finding.code.chars().take(80).collect::<String>()
+            )));
         }
         if self.lock().findings.len() >= MOST_ENTRIES {
-            return Err(OutputError::TooMany);
+            return Err(too_many());
         }
         (self.listener)(Message::Finding(&finding));
         self.lock().findings.push(finding);
@@ -245,7 +226,7 @@ impl OutputCollector {
     ///
     /// # Errors
     /// The name cannot name a file, is reserved for the results, or the files together are too large.
-    pub fn file(&self, file: File) -> Result<(), FileError> {
+    pub fn file(&self, file: File) -> Result<(), Error> {
         self.lock().files.put(file, &RESERVED_NAMES)
     }
 
@@ -253,23 +234,165 @@ impl OutputCollector {
     ///
     /// # Errors
     /// A text is empty or too long, it has no curves or too many, or the plots together are too large.
-    pub fn plot(&self, plot: Plot) -> Result<(), PlotError> {
+    pub fn plot(&self, plot: Plot) -> Result<(), Error> {
         plots::put(&mut self.lock().plots, plot)
     }
 
-    fn check(&self, name: &str) -> Result<(), OutputError> {
+    fn check(&self, name: &str) -> Result<(), Error> {
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
-            return Err(OutputError::Letters { name: name.chars().take(80).collect() });
+            return Err(Error::new(format!(
+                "`{name}` is not a name for a figure or a table: use letters, digits and _",
+                name = name.chars().take(80).collect::<String>()
+            )));
         }
         if self.reserved.iter().any(|reserved| reserved == name) {
-            return Err(OutputError::Reserved { name: name.into() });
+            return Err(Error::new(format!(
+                "`{name}` is a field of the summary and cannot be replaced: {}",
+                remedy(name)
+            )));
         }
         Ok(())
     }
 
     fn lock(&self) -> MutexGuard<'_, ScriptOutput> {
         self.output.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Extensions that a file may have, all of text files.
+const ENDINGS: [&str; 7] = ["csv", "json", "md", "obj", "svg", "toml", "txt"];
+
+/// Most files of one script.
+const MOST_FILES: usize = 10_000;
+
+/// Most bytes of all files together.
+pub(crate) const MOST_BYTES: usize = 256 << 20;
+
+/// Longest name of a file, bytes.
+const LONGEST_NAME: usize = 200;
+
+/// A file that a script writes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct File {
+    /// Its path in the folder of the results, separated by `/`.
+    pub name: String,
+    /// Its text.
+    pub content: String,
+}
+
+/// The files of one script; their names differ on every file system.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Files {
+    files: Vec<File>,
+    /// Index of the file by its name in lower case.
+    places: BTreeMap<String, usize>,
+    /// Bytes of all files together.
+    bytes: usize,
+}
+
+impl Files {
+    /// The files in the order in which they were first written.
+    pub fn iter(&self) -> impl Iterator<Item = &File> {
+        self.files.iter()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    /// Their paths in the folder of the results.
+    pub fn names(&self) -> Vec<String> {
+        self.files.iter().map(|file| file.name.clone()).collect()
+    }
+
+    /// Adds the file, or replaces the one of this name; `reserved` names, and files in folders of such a name, are
+    /// refused.
+    pub(super) fn put(&mut self, file: File, reserved: &[&str]) -> Result<(), Error> {
+        check_name(&file.name, reserved)?;
+        let lower = file.name.to_ascii_lowercase();
+        if let Some(place) = self.clash(&lower) {
+            return Err(Error::new(format!(
+                "`{name}` would be a file and a folder at once, because of `{other}`",
+                name = file.name,
+                other = self.files[place].name
+            )));
+        }
+        let same = self.places.get(&lower).copied();
+        let others = self.bytes - same.map_or(0, |place| self.files[place].content.len());
+        let bytes = others + file.content.len();
+        if bytes > MOST_BYTES || (same.is_none() && self.files.len() >= MOST_FILES) {
+            return Err(too_many_bytes());
+        }
+        self.bytes = bytes;
+        match same {
+            Some(place) => self.files[place] = file,
+            None => {
+                self.places.insert(lower, self.files.len());
+                self.files.push(file);
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of a file that is a folder of the path `lower`, or lies below it.
+    fn clash(&self, lower: &str) -> Option<usize> {
+        let above = lower.match_indices('/').find_map(|(end, _)| self.places.get(&lower[..end]));
+        let within = format!("{lower}/");
+        let first = self.places.range(within.clone()..).next();
+        let below = first.filter(|(name, _)| name.starts_with(&within)).map(|(_, place)| place);
+        above.or(below).copied()
+    }
+}
+
+/// There are too many files, or too large ones.
+pub(crate) fn too_many_bytes() -> Error {
+    Error::new(format!("a script leaves at most {MOST_FILES} files of {} MB together", MOST_BYTES >> 20))
+}
+
+fn check_name(name: &str, reserved: &[&str]) -> Result<(), Error> {
+    let letter = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let plain = |part: &str| !part.is_empty() && !part.starts_with('.') && part.chars().all(letter);
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    if name.len() > LONGEST_NAME || !name.split('/').all(plain) || !ending.is_some_and(|end| ENDINGS.contains(&end)) {
+        return Err(Error::new(format!(
+            "`{name}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}",
+            ENDINGS.join(", ."),
+            name = name.chars().take(LONGEST_NAME).collect::<String>()
+        )));
+    }
+    let first = name.split('/').next().unwrap_or(name);
+    if reserved.iter().any(|reserved| reserved.eq_ignore_ascii_case(first)) {
+        return Err(Error::new(format!("`{name}` is a file of droptower's own results")));
+    }
+    Ok(())
+}
+
+/// Numbers of runs, and of those with a finding of each code.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RunFindings {
+    /// Number of runs with an outcome.
+    pub runs: usize,
+    /// Of these, how many had findings, by code.
+    pub codes: BTreeMap<String, usize>,
+}
+
+impl RunFindings {
+    /// Counts a run with findings of these codes.
+    pub fn count<'c>(&mut self, codes: impl IntoIterator<Item = &'c str>) {
+        self.runs += 1;
+        for code in codes.into_iter().collect::<BTreeSet<&str>>() {
+            *self.codes.entry(code.to_owned()).or_default() += 1;
+        }
+    }
+
+    /// Counts the runs of another part of the study.
+    pub fn add(&mut self, other: &RunFindings) {
+        self.runs += other.runs;
+        for (code, count) in &other.codes {
+            *self.codes.entry(code.clone()).or_default() += count;
+        }
     }
 }
 
@@ -318,5 +441,53 @@ mod tests {
         let expected =
             "note[searches-not-shown]: the report shows the first 100 searches of a script; later ones have no plots";
         assert_eq!(*messages.lock().unwrap(), [expected]);
+    }
+
+    fn put(files: &mut Files, name: &str) -> Result<(), Error> {
+        files.put(File { name: name.into(), content: "x".into() }, &["summary.json", "tables"])
+    }
+
+    #[test]
+    fn names_outside_the_folder_and_names_of_results_are_refused() {
+        for name in ["../x.csv", "/x.csv", "a/../x.csv", "a//x.csv", ".x.csv", "x", "x.exe", "a b.csv", "C:\\x.csv", ""]
+        {
+            let error = put(&mut Files::default(), name).unwrap_err().to_string();
+            assert!(error.contains("cannot name a file"), "{name}: {error}");
+        }
+        for name in ["summary.json", "Summary.json", "tables/x.csv"] {
+            let error = put(&mut Files::default(), name).unwrap_err().to_string();
+            assert!(error.contains("own results"), "{name}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_name_is_not_a_file_and_a_folder_at_once() {
+        let mut files = Files::default();
+        for name in ["a.csv", "A.csv", "b/c.csv", "b/d.csv"] {
+            put(&mut files, name).unwrap();
+        }
+        assert_eq!(files.iter().count(), 3);
+        assert!(put(&mut files, "a.csv/x.csv").unwrap_err().to_string().contains("a file and a folder at once"));
+        put(&mut files, "e.txt/f.csv").unwrap();
+        assert!(put(&mut files, "e.txt").unwrap_err().to_string().contains("a file and a folder at once"));
+    }
+
+    #[test]
+    fn a_replaced_file_does_not_count_towards_the_limit() {
+        let half = "x".repeat(MOST_BYTES / 2 + 1);
+        let mut files = Files::default();
+        let mut put = |name: &str| files.put(File { name: name.into(), content: half.clone() }, &[]);
+        put("a.csv").unwrap();
+        put("A.csv").unwrap();
+        assert_eq!(put("b.csv"), Err(too_many_bytes()));
+    }
+
+    #[test]
+    fn a_run_counts_once_for_a_code() {
+        let mut found = RunFindings::default();
+        found.count(["a", "b", "a"]);
+        found.count([]);
+        found.add(&found.clone());
+        assert_eq!((found.runs, found.codes["a"], found.codes["b"]), (4, 2, 2));
     }
 }

@@ -1,14 +1,17 @@
 //! The state that host functions share while one script runs: the recordings that it read, and the trial they are called in.
 
+use std::any::Any;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rhai::{Dynamic, Engine, NativeCallContext, Position};
+use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
-use super::{Compared, OutputCollector, RunFindings};
+use super::{Compared, HostResult, OutputCollector, RunFindings};
 use base::budget::Budget;
 use base::cancellation::Cancellation;
 use base::finding::Finding;
@@ -255,6 +258,62 @@ impl From<Session> for Dynamic {
 
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+thread_local! {
+    /// Whether this thread interprets a script, which reports what panics.
+    static INTERPRETS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Lets panics within scripts, which become errors with a line, print nothing. For programs: the hook is that of the whole
+/// process.
+pub fn silence_panics() {
+    let print = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if !INTERPRETS.get() {
+            print(info);
+        }
+    }));
+}
+
+/// What ends a script that was cancelled.
+pub(crate) const STOPPED: &str = "stopped";
+
+/// Checks that a run or a trial of a script may begin.
+///
+/// # Errors
+/// The script was stopped; no `try` of it catches that.
+pub(crate) fn check_stop(session: &Session) -> HostResult<()> {
+    match session.is_stopped() {
+        true => Err(EvalAltResult::ErrorTerminated(STOPPED.into(), Position::NONE).into()),
+        false => Ok(()),
+    }
+}
+
+/// Does `work`, which interprets a script; that `cancellation` stopped it, or a panic in it, is an error at `place`.
+pub(crate) fn catch<T>(
+    cancellation: &Cancellation,
+    place: impl Fn() -> Position,
+    work: impl FnOnce() -> HostResult<T>,
+) -> HostResult<T> {
+    let before = INTERPRETS.replace(true);
+    let done = panic::catch_unwind(AssertUnwindSafe(|| cancellation.stops(work)));
+    INTERPRETS.set(before);
+    let error = match done {
+        Ok(Some(result)) => return result,
+        Ok(None) => EvalAltResult::ErrorTerminated(STOPPED.into(), place()),
+        Err(panic) => {
+            let text = message(&*panic);
+            let text = format!("a function of droptower failed, which is a mistake in droptower: {text}");
+            EvalAltResult::ErrorRuntime(text.into(), place())
+        }
+    };
+    Err(error.into())
+}
+
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }
 
 #[cfg(test)]

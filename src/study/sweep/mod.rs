@@ -1,11 +1,7 @@
 //! Sweeps: many runs of a scenario whose keys vary, each evaluated once, by any number of processes.
 
 mod bindings;
-mod remaining;
-mod results;
-mod statistics;
 mod table;
-mod trend;
 mod warning;
 mod work;
 
@@ -15,17 +11,13 @@ use crate::evaluate::{EvaluationError, EvaluationKeys, Evaluations};
 use crate::post::{Plan, PrepareError};
 use base::diagnostic::Diagnostic;
 use base::finding::Finding;
-pub use bindings::{REFERENCE, register};
-pub use remaining::RemainingWork;
-pub use results::SweepResults;
+pub use bindings::register;
 use scene::model::{self, Factor, Input, Model, Point, Points, Variation};
 use scene::scenario::Document;
 use scene::simulate;
-pub use statistics::{Effect, Effects, Quantiles};
-pub use table::Table;
-pub use trend::Trend;
+pub use table::{Effect, Effects, Quantiles, SweepResults, Table, Trend};
 pub use warning::{Beyond, CODES, Limit, Warning, warnings};
-pub use work::{Done, Event, Stop, Work};
+pub use work::{Done, Event, RemainingWork, Stop, Work};
 
 /// A scenario, what varies in it, and the values of its runs.
 #[derive(Debug)]

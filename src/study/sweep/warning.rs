@@ -2,7 +2,6 @@
 //! the runs leave open; specimens that tell no distribution of the strength.
 
 use uncertainty::distribution::Distribution;
-use uncertainty::staircase::ProbitError;
 
 use base::findings;
 use base::number;
@@ -29,7 +28,7 @@ findings! {
                 that has no others, such as `lognormal` or `weibull` for what is above zero";
             message "{}", beyond.message(key);
         NoStrengthFit {
-            reason: ProbitError, "why there is none";
+            reason: uncertainty::Error, "why there is none";
         } = "no-strength-fit", Note;
             meaning "specimens that failed or held at their levels have no normal distribution of the strength by maximum \
                 likelihood, so that neither its deviation nor an interval of its mean is known";

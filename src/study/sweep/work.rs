@@ -1,4 +1,5 @@
-//! The work of one process on a sweep.
+//! The work of one process on a sweep, and what is left of it: runs that neither an earlier sweep, nor this process, nor another has
+//! computed.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -6,9 +7,9 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::remaining::{Estimator, Position, RemainingWork};
 use super::{Case, CaseError, Sweep};
 use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, RunEvent};
+use crate::store::evaluations::Share;
 use base::cancellation::Cancellation;
 use base::periodic;
 
@@ -141,10 +142,6 @@ impl Work<'_> {
         let threads = 0..rayon::current_num_threads();
         let take = || rayon::scope(|scope| threads.for_each(|_| scope.spawn(|_| state.take_all())));
         periodic::during(TICK, || state.watch(), || periodic::during(LOOK, estimate, take));
-        if !self.gather {
-            let store = self.evaluations.store();
-            store.close().and_then(|()| store.sync()).map_err(|error| self.evaluations.failed(error))?;
-        }
         match state.error.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
             None => Ok(state.done.into_inner().unwrap_or_else(PoisonError::into_inner)),
@@ -240,40 +237,30 @@ impl State<'_> {
                 return Ok(());
             }
         };
-        let store = evaluations.store();
-        // Another process may have computed it since the last look.
-        if !store.contains(keys.figures) {
-            store.refresh().map_err(|error| evaluations.failed(error))?;
-        }
-        if store.contains(keys.figures) {
-            let mut done = lock(&self.done);
-            done.cache_hits += 1;
-            done.keys.insert(place, keys);
-            // The observer may be slow: no other thread waits for it at this lock.
-            drop(done);
-            evaluations.tell(RunEvent::Taken);
-            (self.observer)(Event::Taken(place, keys));
+        if self.take_record(place, keys)? {
             return Ok(());
         }
+        let (store, failed) = (evaluations.store(), |error| evaluations.failed(error));
         if gather {
-            if let Some(cause) = store.refusal(keys.figures).map_err(|error| evaluations.failed(error))? {
+            if let Some(cause) = store.refusal(keys.figures).map_err(failed)? {
                 self.refuse(place, cause);
             }
             return Ok(());
         }
-        let Some(claim) = store.claim(keys.figures).map_err(|error| evaluations.failed(error))? else {
+        let Some(claim) = store.claim(keys.figures).map_err(failed)? else {
             // Not waited for here: the thread takes other runs, and looks again once the queue is empty.
             lock(&self.elsewhere).push(place);
             return Ok(());
         };
+        // Whoever held the claim before may have ended since the look.
+        if self.take_record(place, keys)? {
+            return Ok(());
+        }
         let begin = Instant::now();
         let evaluated = match evaluations.evaluate(&model, &plan, keys, &self.work.stop.given_up) {
-            Err(EvaluationError::Cancelled) => {
-                // Else others would wait for a run that nobody computes.
-                return claim.release().map_err(|error| evaluations.failed(error));
-            }
+            Err(EvaluationError::Cancelled) => return Ok(()),
             Err(EvaluationError::Passing(cause)) => {
-                claim.refuse(&cause).map_err(|error| evaluations.failed(error))?;
+                claim.refuse(&cause).map_err(failed)?;
                 self.refuse(place, cause);
                 return Ok(());
             }
@@ -286,6 +273,22 @@ impl State<'_> {
 }
 
 impl State<'_> {
+    /// Notes a run that has a record; `false` where it has none.
+    fn take_record(&self, place: usize, keys: EvaluationKeys) -> Result<bool, EvaluationError> {
+        let evaluations = self.work.evaluations;
+        if !evaluations.store().contains(keys.figures).map_err(|error| evaluations.failed(error))? {
+            return Ok(false);
+        }
+        let mut done = lock(&self.done);
+        done.cache_hits += 1;
+        done.keys.insert(place, keys);
+        // The observer may be slow: no other thread waits for it at this lock.
+        drop(done);
+        evaluations.tell(RunEvent::Taken);
+        (self.observer)(Event::Taken(place, keys));
+        Ok(true)
+    }
+
     /// Notes a run without an evaluation.
     fn refuse(&self, place: usize, cause: String) {
         (self.observer)(Event::Refused(place, &cause));
@@ -313,14 +316,126 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Most runs of a sample.
+const MOST: usize = 200;
+
+/// Most time for a sample.
+const LIMIT: Duration = Duration::from_millis(300);
+
+/// Time until the first sample, and the longest between two: each is twice the one before.
+const FIRST: Duration = Duration::from_millis(500);
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Remaining work of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RemainingWork {
+    /// Runs that are still to be computed, by this process or others.
+    pub left: usize,
+    /// Runs that other processes have computed since this one began.
+    pub elsewhere: usize,
+}
+
+/// How far a process is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Position {
+    /// Runs that nobody here has looked at.
+    pub waiting: usize,
+    /// Runs that are under way, here or elsewhere.
+    pub begun: usize,
+    /// Runs that were computed here.
+    pub computed: usize,
+}
+
+/// Estimates what is left from samples of the runs that wait.
+#[derive(Debug)]
+pub(super) struct Estimator {
+    /// Records of others when the process began.
+    before: usize,
+    /// What the last sample found.
+    sampled: Option<Sample>,
+    next: Instant,
+    pause: Duration,
+}
+
+/// A sample of the runs that wait.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// Runs left.
+    left: usize,
+    /// Runs that were computed here by then.
+    computed: usize,
+    /// Runs that others have computed by then since the process began.
+    elsewhere: usize,
+}
+
+impl Estimator {
+    /// Of a process that begins now.
+    pub(super) fn new(evaluations: &Evaluations) -> Estimator {
+        let before = others(evaluations);
+        Estimator { before, sampled: None, next: Instant::now() + FIRST, pause: FIRST }
+    }
+
+    /// The work left at `position`, where `sample` gives at most so many places of runs that wait, spread evenly; none
+    /// before the first sample, and where all records are of this process, which knows it then.
+    pub(super) fn remaining_work(
+        &mut self,
+        sweep: &Sweep,
+        evaluations: &Evaluations,
+        Position { waiting, begun, computed }: Position,
+        sample: impl FnOnce(usize) -> Vec<usize>,
+    ) -> Option<RemainingWork> {
+        if Instant::now() >= self.next {
+            let others = others(evaluations);
+            self.sampled = (others > 0).then(|| {
+                let unknown = waiting as f64 * unknown_share(sweep, evaluations, &sample(MOST));
+                let left = unknown.round() as usize + begun;
+                Sample { left, computed, elsewhere: others.saturating_sub(self.before) }
+            });
+            // A sample takes time from the runs: in a long sweep it becomes rare.
+            self.pause = (2 * self.pause).min(LONGEST);
+            self.next = Instant::now() + self.pause;
+        }
+        let Sample { left, computed: by_then, elsewhere } = self.sampled?;
+        let since = computed.saturating_sub(by_then);
+        // A sample may err; the runs that have begun are left for certain.
+        Some(RemainingWork { left: left.saturating_sub(since).max(begun), elsewhere })
+    }
+}
+
+/// Records of other processes; none where they cannot be read, which the next run says.
+fn others(evaluations: &Evaluations) -> usize {
+    evaluations.store().others().unwrap_or(0)
+}
+
+/// The share of the runs at `places` that have no record, of as many as there is time for.
+fn unknown_share(sweep: &Sweep, evaluations: &Evaluations, places: &[usize]) -> f64 {
+    let begin = Instant::now();
+    let is_unknown = |place: usize| match sweep.case(place) {
+        Ok(Case { keys, .. }) => !evaluations.store().contains(keys.figures).unwrap_or(false),
+        Err(_) => false,
+    };
+    let (mut looked, mut unknown) = (0_usize, 0_usize);
+    // In steps that cover the places evenly, however early it ends.
+    for turn in Share::WHOLE.order(places.len()) {
+        if looked > 0 && begin.elapsed() > LIMIT {
+            break;
+        }
+        looked += 1;
+        unknown += usize::from(is_unknown(places[turn]));
+    }
+    if looked == 0 { 0.0 } else { unknown as f64 / looked as f64 }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::path::Path;
     use std::sync::atomic::AtomicUsize;
     use std::sync::mpsc;
 
     use super::*;
+    use base::cancellation::Cancellation;
     use scene::scenario::{Assignment, Document};
 
     /// A thread panics once; the other begins nothing more as soon as it is told.
@@ -336,7 +451,7 @@ mod tests {
         let (told, ended) = mpsc::channel();
         thread::spawn(move || {
             let folder = tempfile::tempdir().unwrap();
-            let evaluations = Evaluations::open(folder.path()).unwrap();
+            let evaluations = Evaluations::new(folder.path());
             let stop = Stop::default();
             let work = Work { sweep: &sweep, evaluations: &evaluations, waits: true, stop: &stop, gather: false };
             let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
@@ -356,5 +471,60 @@ mod tests {
         let (has_panicked, computed) = ended.recv_timeout(Duration::from_secs(60)).unwrap();
         // Untold, the other thread would compute all that are left.
         assert!(has_panicked && computed < 40, "{computed} runs");
+    }
+
+    /// A sweep of so many masses.
+    fn sweep(folder: &Path, count: usize) -> Sweep {
+        let path = folder.join("a.toml");
+        let masses: Vec<String> = (0..count).map(|number| format!("{}", 10.0 + 0.01 * number as f64)).collect();
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
+        fs::write(&path, format!("extends = {base:?}\nunset = [\"reference\", \"post\"]\n")).unwrap();
+        let set = [
+            "specimen.mesh.size=\"80 mm\"".to_owned(),
+            "loading.impact.duration=\"3 ms\"".to_owned(),
+            format!("variation={{ \"impactor.mass\" = [{}] }}", masses.join(", ")),
+        ];
+        let set: Vec<Assignment> = set.iter().map(|text| Assignment::from_argument(text).unwrap()).collect();
+        Sweep::prepare(&Document::read(&path).unwrap().with(&set), None).unwrap()
+    }
+
+    fn compute(sweep: &Sweep, evaluations: &Evaluations, places: impl Iterator<Item = usize>) {
+        for place in places {
+            let Case { model, plan, keys } = sweep.case(place).unwrap();
+            evaluations.evaluate(&model, &plan, keys, &Cancellation::default()).unwrap();
+        }
+    }
+
+    #[test]
+    fn runs_of_earlier_sweeps_and_of_other_processes_are_not_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = folder.path().join("store");
+        let sweep = sweep(folder.path(), 30);
+        let now = |estimator: &mut Estimator| estimator.next = Instant::now();
+        let later = |estimator: &mut Estimator| estimator.next = Instant::now() + Duration::from_secs(3600);
+        let at = |computed| Position { waiting: 26, begun: 2, computed };
+        let waiting = |_: usize| (4..30).collect();
+
+        let alone = Evaluations::new(&store);
+        let mut estimator = Estimator::new(&alone);
+        now(&mut estimator);
+        assert_eq!(estimator.remaining_work(&sweep, &alone, at(2), waiting), None);
+        compute(&sweep, &alone, (10..20).chain([0]));
+
+        let [here, other] = [(); 2].map(|()| Evaluations::new(&store));
+        let mut estimator = Estimator::new(&here);
+        later(&mut estimator);
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(2), waiting), None);
+        now(&mut estimator);
+        let left = 26 - 10 + 2;
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(2), waiting), Some(RemainingWork { left, elsewhere: 0 }));
+        later(&mut estimator);
+        compute(&sweep, &other, 25..28);
+        // Until the next sample, what others compute is not known.
+        let expected = RemainingWork { left: left - 1, elsewhere: 0 };
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(3), waiting), Some(expected));
+        now(&mut estimator);
+        let expected = RemainingWork { left: left - 3, elsewhere: 3 };
+        assert_eq!(estimator.remaining_work(&sweep, &here, at(3), waiting), Some(expected));
     }
 }

@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::output::Output;
-use super::{Family, Options, Surrogate, SurrogateError, polynomials};
+use super::{Family, Options, Output, Surrogate, polynomials};
+use crate::Error;
 
 /// Most principal components.
 const MOST: usize = 12;
@@ -29,16 +29,16 @@ impl Components {
     /// Fits outputs, a column for each of the points of the open unit cube.
     ///
     /// # Errors
-    /// See [`SurrogateError`].
+    /// See [`Error`].
     pub fn fit(
         families: &[Family],
         points: &[Vec<f64>],
         outputs: &DMatrix<f64>,
         options: &Options,
-    ) -> Result<Components, SurrogateError> {
+    ) -> Result<Components, Error> {
         let (length, count) = outputs.shape();
         if points.len() != count {
-            return Err(SurrogateError::Outputs { points: points.len(), outputs: count });
+            return Err(Error::new(format!("{points} points have {count} outputs", points = points.len())));
         }
         if length == 0 || families.is_empty() {
             let mean = if length == 0 { DVector::zeros(0) } else { outputs.column_mean() };
@@ -48,7 +48,9 @@ impl Components {
         let mean = outputs.column_mean();
         let centred = DMatrix::from_fn(length, count, |row, column| outputs[(row, column)] - mean[row]);
         let decomposed = centred.svd(true, true);
-        let (Some(left), Some(right)) = (decomposed.u, decomposed.v_t) else { return Err(SurrogateError::Constant) };
+        let (Some(left), Some(right)) = (decomposed.u, decomposed.v_t) else {
+            return Err(Error::new("the output is the same everywhere: there is nothing to model"));
+        };
         let sizes = decomposed.singular_values;
         let mut order: Vec<usize> = (0..sizes.len()).collect();
         order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
@@ -224,6 +226,6 @@ mod tests {
         let expected = -0.5 * (9.0 / 2.0 + 9.0 / 4.0 + 8.0_f64.ln());
         assert!((log(&fitted.likelihood(&[2.0, 4.0]), &[]) - expected).abs() < 1e-14);
         let none = Components::fit(&[Family::Legendre], &[], &outputs, &Options::default());
-        assert_eq!(none, Err(SurrogateError::Outputs { points: 0, outputs: 1 }));
+        assert_eq!(none, Err(Error::new("0 points have 1 outputs")));
     }
 }

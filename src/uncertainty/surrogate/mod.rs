@@ -6,84 +6,14 @@
 
 mod basis;
 mod components;
-mod output;
-mod pursuit;
-mod validation;
 
-use thiserror::Error;
-
-use crate::random::Stream;
-use crate::statistics::present;
-use basis::Degrees;
 pub use basis::Family;
+use basis::{Degrees, Pursuit};
 pub use components::Components;
-pub use output::Output;
-use pursuit::Pursuit;
-use validation::cross_validated;
 
-/// Why there is no surrogate model.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum SurrogateError {
-    /// There is not one output a point.
-    #[error("{points} points have {outputs} outputs")]
-    Outputs {
-        /// Number of points.
-        points: usize,
-        /// Number of outputs.
-        outputs: usize,
-    },
-    /// A point has another number of coordinates than there are inputs.
-    #[error("point {point} has {coordinates} coordinates, but there are {inputs} inputs")]
-    Coordinates {
-        /// Index of the point, from 0.
-        point: usize,
-        /// Number of its coordinates.
-        coordinates: usize,
-        /// Number of inputs.
-        inputs: usize,
-    },
-    /// Fewer samples than the folds of the cross-validation need for a linear polynomial.
-    #[error("{samples} samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed")]
-    TooFewSamples {
-        /// Number of finite outputs.
-        samples: usize,
-        /// Terms of the linear polynomial.
-        terms: usize,
-        /// Samples that two a term and a fold to leave out need.
-        needed: usize,
-    },
-    /// A coordinate is not within the open unit interval.
-    #[error("coordinate {input} of point {point} is {value}, but must be within 0 and 1, neither included")]
-    Outside {
-        /// Index of the point, from 0.
-        point: usize,
-        /// Index of the input, from 0.
-        input: usize,
-        /// The coordinate.
-        value: f64,
-    },
-    /// The truncation is not within (0, 1].
-    #[error("the truncation is {q}, but must be positive and at most 1")]
-    Truncation {
-        /// q of the truncation.
-        q: f64,
-    },
-    /// Cross-validation needs two folds.
-    #[error("cross-validation needs at least 2 folds, found {folds}")]
-    Folds {
-        /// Number of folds.
-        folds: usize,
-    },
-    /// A linear polynomial has more terms than are considered.
-    #[error("{inputs} inputs are too many: a model has at most {} candidates", MOST_CANDIDATES)]
-    TooManyInputs {
-        /// Number of inputs.
-        inputs: usize,
-    },
-    /// The output does not vary.
-    #[error("the output is the same everywhere: there is nothing to model")]
-    Constant,
-}
+use crate::Error;
+use crate::random::Stream;
+use crate::statistics::{present, variance};
 
 /// How a surrogate model is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,18 +65,18 @@ impl Surrogate {
     /// terms than half the samples are taken.
     ///
     /// # Errors
-    /// See [`SurrogateError`].
+    /// See [`Error`].
     pub fn fit(
         families: &[Family],
         points: &[Vec<f64>],
         outputs: &[Option<f64>],
         options: &Options,
-    ) -> Result<Self, SurrogateError> {
+    ) -> Result<Self, Error> {
         let (points, outputs) = checked(families, points, outputs, options)?;
         let mean = outputs.iter().sum::<f64>() / outputs.len() as f64;
         let spread: f64 = outputs.iter().map(|y| (y - mean) * (y - mean)).sum();
         if spread <= 0.0 {
-            return Err(SurrogateError::Constant);
+            return Err(Error::new("the output is the same everywhere: there is nothing to model"));
         }
         // Mixed: folds of successive points of a design would leave out whole regions.
         let order = Stream::new(options.seed).permutation(outputs.len());
@@ -163,7 +93,13 @@ impl Surrogate {
                 best = Some((Choice { candidates, columns, terms, error }, degree));
             }
         }
-        let (choice, degree) = best.ok_or(SurrogateError::TooManyInputs { inputs: families.len() })?;
+        let (choice, degree) = best.ok_or_else(|| {
+            Error::new(format!(
+                "{inputs} inputs are too many: a model has at most {} candidates",
+                MOST_CANDIDATES,
+                inputs = families.len()
+            ))
+        })?;
         // Chosen anew with all samples, now that their number is known.
         let terms = choice.terms(&outputs);
         Ok(Self { families: families.to_vec(), terms, degree, q2: 1.0 - choice.error / spread })
@@ -299,24 +235,40 @@ fn checked<'a>(
     points: &'a [Vec<f64>],
     outputs: &[Option<f64>],
     options: &Options,
-) -> Result<Sample<'a>, SurrogateError> {
+) -> Result<Sample<'a>, Error> {
     if points.len() != outputs.len() {
-        return Err(SurrogateError::Outputs { points: points.len(), outputs: outputs.len() });
+        return Err(Error::new(format!(
+            "{points} points have {outputs} outputs",
+            points = points.len(),
+            outputs = outputs.len()
+        )));
     }
     let inputs = families.len();
     if let Some(point) = points.iter().position(|point| point.len() != inputs) {
-        return Err(SurrogateError::Coordinates { point, coordinates: points[point].len(), inputs });
+        return Err(Error::new(format!(
+            "point {point} has {coordinates} coordinates, but there are {inputs} inputs",
+            coordinates = points[point].len()
+        )));
     }
     for (point, coordinates) in points.iter().enumerate() {
         if let Some(input) = coordinates.iter().position(|u| !(*u > 0.0 && *u < 1.0)) {
-            return Err(SurrogateError::Outside { point, input, value: coordinates[input] });
+            return Err(Error::new(format!(
+                "coordinate {input} of point {point} is {value}, but must be within 0 and 1, neither included",
+                value = coordinates[input]
+            )));
         }
     }
     if !(options.truncation > 0.0 && options.truncation <= 1.0) {
-        return Err(SurrogateError::Truncation { q: options.truncation });
+        return Err(Error::new(format!(
+            "the truncation is {q}, but must be positive and at most 1",
+            q = options.truncation
+        )));
     }
     if options.folds < 2 {
-        return Err(SurrogateError::Folds { folds: options.folds });
+        return Err(Error::new(format!(
+            "cross-validation needs at least 2 folds, found {folds}",
+            folds = options.folds
+        )));
     }
     let sample: Sample =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), present(*output)?))).unzip();
@@ -324,10 +276,247 @@ fn checked<'a>(
     // The samples without one fold must still be two a term.
     let needed = (2 * terms * options.folds).div_ceil(options.folds - 1) + 1;
     if samples < needed.max(options.folds) {
-        return Err(SurrogateError::TooFewSamples { samples, terms, needed: needed.max(options.folds) });
+        return Err(Error::new(format!(
+            "{samples} samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed",
+            needed = needed.max(options.folds)
+        )));
     }
     Ok(sample)
 }
 
+/// An output as a function of the inputs: a polynomial chaos, or a constant where it is the same in all samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    kind: Kind,
+    error: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Kind {
+    Constant(f64),
+    Varying(Surrogate),
+}
+
+impl Output {
+    /// Fits outputs at points of the open unit cube.
+    ///
+    /// # Errors
+    /// See [`Error`].
+    pub fn fit(families: &[Family], points: &[Vec<f64>], outputs: &[f64], options: &Options) -> Result<Output, Error> {
+        if let Some(first) = outputs.first().filter(|first| outputs.iter().all(|output| output == *first)) {
+            return Ok(Output { kind: Kind::Constant(*first), error: 0.0 });
+        }
+        let given: Vec<Option<f64>> = outputs.iter().copied().map(Some).collect();
+        let surrogate = Surrogate::fit(families, points, &given, options)?;
+        let error = variance(outputs).unwrap_or(0.0) * (1.0 - surrogate.q2()).max(0.0);
+        Ok(Output { kind: Kind::Varying(surrogate), error })
+    }
+
+    /// Its value at a point of the open unit cube.
+    ///
+    /// # Panics
+    /// The point has another number of coordinates than the fit.
+    pub fn at(&self, point: &[f64]) -> f64 {
+        match &self.kind {
+            Kind::Constant(value) => *value,
+            Kind::Varying(surrogate) => surrogate.predict(point),
+        }
+    }
+
+    /// Variance of its error, by cross-validation.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The polynomial chaos of an output that varies.
+    fn surrogate(&self) -> Option<&Surrogate> {
+        match &self.kind {
+            Kind::Constant(_) => None,
+            Kind::Varying(surrogate) => Some(surrogate),
+        }
+    }
+
+    /// Its value where the polynomials of the inputs have these values, of at least its degree.
+    fn with(&self, values: &Polynomials) -> f64 {
+        match &self.kind {
+            Kind::Constant(value) => *value,
+            Kind::Varying(surrogate) => surrogate.sum_of_terms(values),
+        }
+    }
+}
+
+/// Terms without an improvement after which no further one is tried.
+const TERMS_TRIED: usize = 25;
+
+/// Number of terms with the least sum of squared errors over all folds, and that error.
+///
+/// The pursuits of all folds go on in step. Sample `order[i]` is left out in fold i modulo `folds`.
+fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize], folds: usize) -> (usize, f64) {
+    let parts: Vec<(Vec<usize>, usize)> = (0..folds).map(|fold| rows_of_fold(order, fold, folds)).collect();
+    let arranged = |values: &[f64], rows: &[usize]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+    let of_folds: Vec<Vec<Vec<f64>>> =
+        parts.iter().map(|(rows, _)| columns.iter().map(|column| arranged(column, rows)).collect()).collect();
+    let mut pursuits: Vec<Pursuit> = of_folds
+        .iter()
+        .zip(&parts)
+        .map(|(columns, (rows, fitted))| Pursuit::new(columns, arranged(outputs, rows), *fitted))
+        .collect();
+    let mut best = (0, f64::INFINITY);
+    for terms in 1.. {
+        // All go a step, also where one of them is at its end.
+        let ended = pursuits.iter_mut().map(Pursuit::step).filter(|further| !further).count();
+        if ended > 0 || terms > best.0 + TERMS_TRIED {
+            break;
+        }
+        let error = pursuits.iter().map(Pursuit::prediction_error).sum();
+        if error < best.1 {
+            best = (terms, error);
+        }
+    }
+    best
+}
+
+/// Rows of a fold, those that are fitted first, and their number.
+fn rows_of_fold(order: &[usize], fold: usize, folds: usize) -> (Vec<usize>, usize) {
+    let places = |left_out: bool| (0..order.len()).filter(move |place| (place % folds == fold) == left_out);
+    let rows: Vec<usize> = places(false).chain(places(true)).map(|place| order[place]).collect();
+    (rows, places(false).count())
+}
+
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::design::{Levels, Method, points};
+    use crate::distribution::Distribution;
+    use crate::functions::{g, g_indices, ishigami, ishigami_indices};
+
+    fn sample(inputs: usize, samples: usize, f: impl Fn(&[f64]) -> f64) -> (Vec<Vec<f64>>, Vec<Option<f64>>) {
+        let points = points(Method::Sobol, &vec![Levels::Continuous; inputs], samples, 7).unwrap();
+        let outputs = points.iter().map(|u| Some(f(u))).collect();
+        (points, outputs)
+    }
+
+    /// Q² from 2000 points that the fit has not seen.
+    fn unseen(model: &Surrogate, inputs: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
+        let points = points(Method::Random, &vec![Levels::Continuous; inputs], 2000, 77).unwrap();
+        let outputs: Vec<f64> = points.iter().map(|u| f(u)).collect();
+        let mean = outputs.iter().sum::<f64>() / 2000.0;
+        let errors: f64 = points.iter().zip(&outputs).map(|(u, y)| (model.predict(u) - y).powi(2)).sum();
+        1.0 - errors / outputs.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    }
+
+    fn worst(found: &[f64], exact: &[f64]) -> f64 {
+        found.iter().zip(exact).map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn ishigamis_function_has_its_indices_in_the_coefficients() {
+        let (first, total, variance) = ishigami_indices();
+        for (samples, allowed) in [(128, 0.05), (256, 1e-3)] {
+            let (points, outputs) = sample(3, samples, ishigami);
+            let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
+            let unseen = unseen(&model, 3, ishigami);
+            println!(
+                "Ishigami, {samples} samples: degree {}, {} terms, Q² {:.6} (unseen {unseen:.6}), S {:.4?}, ST {:.4?}, \
+             variance {:.3} ({variance:.3}), S13 {:.4}",
+                model.degree(),
+                model.terms(),
+                model.q2(),
+                model.first().unwrap(),
+                model.total().unwrap(),
+                model.variance(),
+                model.pair(2, 0).unwrap()
+            );
+            assert!(
+                worst(&model.first().unwrap(), &first) < allowed && worst(&model.total().unwrap(), &total) < allowed
+            );
+            assert!((model.mean() - 3.5).abs() < 10.0 * allowed);
+            assert!(unseen > 1.0 - allowed && model.q2() < 1.0 && model.q2() > 1.0 - 4.0 * allowed);
+        }
+    }
+
+    /// Its kinks are no polynomial: the indices of the strong inputs are nevertheless right to a few hundredths.
+    #[test]
+    fn the_g_function_has_its_indices_as_far_as_polynomials_reach() {
+        let a = [0.0, 1.0, 4.5, 9.0, 99.0];
+        let (first, total) = g_indices(&a);
+        let (points, outputs) = sample(5, 400, |u| g(&a, u));
+        let model = Surrogate::fit(&[Family::Legendre; 5], &points, &outputs, &Options::default()).unwrap();
+        let unseen = unseen(&model, 5, |u| g(&a, u));
+        println!(
+            "g-function, 400 samples: degree {}, {} terms, Q² {:.4} (unseen {unseen:.4}), S {:.4?} ({first:.4?})",
+            model.degree(),
+            model.terms(),
+            model.q2(),
+            model.first().unwrap()
+        );
+        assert!(worst(&model.first().unwrap(), &first) < 0.03 && worst(&model.total().unwrap(), &total) < 0.03);
+        assert!((model.q2() - unseen).abs() < 0.03);
+    }
+
+    /// A polynomial of normal inputs is found exactly, with the indices that its coefficients give.
+    #[test]
+    fn a_polynomial_of_normal_inputs_is_found_exactly() {
+        let inputs = [Distribution::normal(2.0, 0.5).unwrap(), Distribution::normal(-1.0, 2.0).unwrap()];
+        let f = |u: &[f64]| {
+            let x: Vec<f64> = u.iter().zip(&inputs).map(|(&u, input)| input.quantile(u)).collect();
+            x[0] * x[0] + x[0] * x[1]
+        };
+        let (points, outputs) = sample(2, 40, f);
+        let options = Options { truncation: 1.0, ..Options::default() };
+        let model = Surrogate::fit(&[Family::Hermite; 2], &points, &outputs, &options).unwrap();
+        // x₀ = 2 + z₀/2, x₁ = −1 + 2 z₁: mean 4.25 − 2; z₀: 2 − 1/2; z₁: 4; z₀²: 1/4; z₀ z₁: 1.
+        let (mean, variance) = (2.25, 1.5 * 1.5 + 16.0 + 2.0 / 16.0 + 1.0);
+        assert!((model.mean() - mean).abs() < 1e-9 && (model.variance() - variance).abs() < 1e-9);
+        assert!(worst(&model.first().unwrap(), &[(2.25 + 0.125) / variance, 16.0 / variance]) < 1e-9);
+        assert!((model.pair(0, 1).unwrap() - 1.0 / variance).abs() < 1e-9);
+        assert!(model.q2() > 1.0 - 1e-9);
+    }
+
+    /// Of outputs that are noise, the share that is predicted is none: choosing terms by the data themselves must not hide
+    /// that.
+    #[test]
+    fn noise_has_no_model() {
+        let (points, _) = sample(6, 80, |_| 0.0);
+        let q2: Vec<f64> = (0..10)
+            .map(|seed| {
+                let mut stream = Stream::new(seed);
+                let outputs: Vec<Option<f64>> = (0..80).map(|_| Some(stream.normal())).collect();
+                Surrogate::fit(&[Family::Legendre; 6], &points, &outputs, &Options::default()).unwrap().q2()
+            })
+            .collect();
+        println!("noise, 80 samples of 6 inputs: Q² {q2:.3?}");
+        assert!(q2.iter().all(|q2| *q2 < 0.15) && q2.iter().sum::<f64>() < 0.5, "{q2:?}");
+    }
+
+    #[test]
+    fn missing_outputs_are_left_out() {
+        let (points, mut outputs) = sample(3, 300, ishigami);
+        outputs.iter_mut().step_by(10).for_each(|output| *output = None);
+        let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
+        assert!(worst(&model.first().unwrap(), &ishigami_indices().0) < 1e-3);
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused() {
+        let fit = |points: &[Vec<f64>], outputs: &[Option<f64>]| {
+            Surrogate::fit(&[Family::Legendre; 2], points, outputs, &Options::default()).unwrap_err()
+        };
+        let points = vec![vec![0.5, 0.25]; 20];
+        assert_eq!(
+            fit(&points, &[Some(1.0); 20]),
+            Error::new("the output is the same everywhere: there is nothing to model")
+        );
+        let few = Error::new("5 samples are too few for a linear polynomial of 3 terms: at least 10 are needed");
+        assert_eq!(fit(&points[..5], &[Some(1.0); 5]), few);
+        assert_eq!(fit(&points, &[None; 3]), Error::new("20 points have 3 outputs"));
+        let mut outside = points.clone();
+        outside[3][1] = 1.0;
+        assert_eq!(
+            fit(&outside, &[None; 20]),
+            Error::new("coordinate 1 of point 3 is 1, but must be within 0 and 1, neither included")
+        );
+        let bent = vec![vec![0.5]; 20];
+        assert_eq!(fit(&bent, &[None; 20]), Error::new("point 0 has 1 coordinates, but there are 2 inputs"));
+    }
+}

@@ -12,7 +12,7 @@ use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::units::{Dimension, percentage};
 use base::{file, number, written};
-use uncertainty::distribution::{Distribution, DistributionError};
+use uncertainty::distribution::Distribution;
 
 /// A key that varies.
 #[derive(Clone, Debug)]
@@ -177,7 +177,7 @@ impl Reading {
             Some((first?, second?))
         };
         let shape = || node.find("weibull.shape").and_then(|node| self.number(node));
-        let made: Result<Distribution, DistributionError> = if let Some([low, high]) = pair("uniform") {
+        let made: Result<Distribution, uncertainty::Error> = if let Some([low, high]) = pair("uniform") {
             Distribution::uniform(low, high)
         } else if let Some((mean, deviation)) = given("normal", ["mean", "deviation"]) {
             Distribution::normal(mean, deviation)

@@ -6,7 +6,7 @@ use super::ModelDiagnostics;
 use crate::scenario::{self, Assignment, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
-use uncertainty::correlation::{Correlation, CorrelationError};
+use uncertainty::correlation::Correlation;
 use uncertainty::design::{self, Levels, Method as Sampling};
 
 const METHOD: &str = "variation.method";
@@ -158,7 +158,7 @@ fn correlation(
             whole[*row][*column] = *coefficient;
         }
     }
-    let refused = |error: CorrelationError| mistakes.report(&format!("{CORRELATION}.matrix"), error.to_string());
+    let refused = |error: uncertainty::Error| mistakes.report(&format!("{CORRELATION}.matrix"), error.to_string());
     Correlation::new(&whole).map_err(refused).ok()
 }
 

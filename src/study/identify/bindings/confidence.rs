@@ -2,11 +2,12 @@
 
 use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
-use super::host::SearchHost;
-use super::options::{self, ScriptSearch, unknown, unknown_option, word};
+use super::SearchHost;
+use super::minimize::{self, ScriptSearch, unknown, unknown_option, word};
 use super::result;
-use crate::identify::linearization::{LinearizationError, linearize_at_start};
-use crate::script::{Entry, HostResult, number, refuse};
+use crate::identify::linearization::linearize_at_start;
+use crate::identify::objective::SearchError;
+use crate::script::{HostResult, number, refuse};
 use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
 use plot::Correlation;
 
@@ -29,7 +30,7 @@ struct Request {
 
 impl Request {
     fn new(best: &Dynamic, options: &Map, call: FnPtr) -> HostResult<Request> {
-        let known = || options::OPTIONS.into_iter().chain(OPTIONS);
+        let known = || minimize::OPTIONS.into_iter().chain(OPTIONS);
         if let Some(other) = options.keys().find(|option| !known().any(|known| known == option.as_str())) {
             return Err(unknown_option("confidence", other, known()));
         }
@@ -152,13 +153,13 @@ fn estimate(best: &Dynamic) -> HostResult<Array> {
 }
 
 fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request) -> HostResult<Map> {
-    let confidence = host.linearized::<_, LinearizationError>(context, &request.search, |evaluator| {
+    let confidence = host.linearized(context, &request.search, |evaluator| {
         let linearization = linearize_at_start(&request.search.search, evaluator)?;
         let linearization = match &request.parts {
-            Some(parts) => linearization.joined_from(parts)?,
+            Some(parts) => linearization.joined_from(parts).map_err(SearchError::refused)?,
             None => linearization,
         };
-        Ok(Confidence::from_linearization(&linearization, &request.options)?)
+        Confidence::from_linearization(&linearization, &request.options).map_err(SearchError::refused)
     })?;
     let title = match &request.search.labels.title {
         Some(title) => format!("Correlation: {title}"),
@@ -187,65 +188,6 @@ pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
     };
     engine.register_fn("confidence", without);
 }
-
-/// The reference of `confidence`.
-pub(super) const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "confidence(best, options, |x| residuals)",
-        gives: "confidence intervals of the parameters that `minimize` found (or a list x), from the Jacobian of the \
-            residuals: #{ names, x, standard_errors, lower, upper, covariance, correlation, samples, \
-            effective_samples, degrees_of_freedom, condition, warnings, findings, table, correlation_table }; \
-            intervals of 95 %. Residuals may be correlated along the list. `warnings` name combinations that are not \
-            identifiable. Takes the options of `minimize`, of which names, bounds, difference and on_rupture \
-            have an effect",
-        example: r#"let read = [3.1, 4.9, 7.0, 9.2, 10.9, 13.1];
-                    let line = |x| read.map(|y, i| x[0] + x[1] * i - y);
-                    let o = #{ names: ["offset", "slope"] };
-                    let best = minimize("levenberg-marquardt", [1.0, 1], o, line);
-                    let c = confidence(best, o, line);
-                    c.lower[1] < 2 && c.upper[1] > 2
-                        && c.table[1].parameter == "slope" && c.table[1].value == best.x[1]"#,
-    },
-    Entry {
-        call: "#{ noise: \"coloured\" | \"white\", relative: false, parts: [n1, n2, …] }",
-        gives: "further options of `confidence`: whether neighbouring residuals may be correlated; intervals symmetric in the \
-            logarithm, for multipliers; lengths of the lists that the residuals are joined from, such as several \
-            signals (their sum is the number of residuals; one list otherwise): each part then has noise of its own \
-            size and correlation",
-        example: r#"let c = confidence([2.0], #{ noise: "white", relative: true }, |x| [x[0] - 1.9, x[0] - 2.1]);
-                    let joined = |x| [x[0] - 1.9, x[0] - 2.1] + [x[1] - 1.0, x[1] - 5.0];
-                    let d = confidence([2.0, 3.0], #{ noise: "white", parts: [2, 2] }, joined);
-                    (c.lower[0] * c.upper[0] - 4).abs() < 1e-9 && (c.standard_errors[0] - 0.1).abs() < 1e-9
-                        && (d.standard_errors[0] - 0.1).abs() < 1e-9 && (d.standard_errors[1] - 2).abs() < 1e-9"#,
-    },
-    Entry {
-        call: "#{ misfit: #{ error: 0.03, correlation: 2e-3, interval: 1e-4 } }",
-        gives: "an assumed error of the residuals, such as that of a model, instead of the noise that they show: its norm, \
-            the time over which its correlation decays to 1/e, and the time between two residuals (one otherwise, so that \
-            `correlation` is a number of residuals); a list of any of these has an entry for each of `parts`. Intervals \
-            are those of the normal distribution",
-        example: r#"let mean = |x| { let all = []; for i in 0..400 { all.push(x[0]); } all };
-                    let width = |correlation| {
-                        let c = confidence([1.0], #{ misfit: #{ error: 0.4, correlation: correlation } }, mean);
-                        c.standard_errors[0]
-                    };
-                    (width.call(0) - 0.001).abs() < 1e-9 && width.call(20) > 6 * width.call(0)"#,
-    },
-    Entry {
-        call: "#{ prior: [(), 0.1], held: [(), 0.1] }",
-        gives: "standard deviations of what is known of parameters besides the residuals, in their units; () for those that \
-            the residuals alone determine. With `prior` these are fitted together with the others, about their values in \
-            `best`; with `held` the fit held them at these values, as an objective holds the dimensions of a tower: the \
-            result is about the others, and `shift_table` has what one standard deviation of each changes them by",
-        example: r#"let sum = |x| { let all = []; for i in 0..100 { all.push(x[0] + x[1]); } all };
-                    let o = #{ misfit: #{ error: 1.0 }, prior: [(), 0.3] };
-                    let c = confidence([2.0, 0.0], o, sum);
-                    let h = confidence([2.0, 0.0], #{ misfit: #{ error: 1.0 }, held: [(), 0.3] }, sum);
-                    (c.standard_errors[0] - (0.01 ** 2 + 0.3 ** 2).sqrt()).abs() < 1e-9
-                        && (h.standard_errors[0] - c.standard_errors[0]).abs() < 1e-9 && h.names == ["x0"]
-                        && h.shift_table[0].parameter == "x1" && (h.shift_table[0].x0 + 0.3).abs() < 1e-9"#,
-    },
-];
 
 #[cfg(test)]
 mod tests {

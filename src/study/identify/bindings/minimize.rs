@@ -1,11 +1,14 @@
-//! `minimize` and `minimize_all`.
+//! `minimize` and `minimize_all`, and their options.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, INT, Map, NativeCallContext};
 
-use super::host::SearchHost;
-use super::options::ScriptSearch;
-use super::result;
-use crate::script::{Entry, HostResult, refuse, thrown};
+use super::objective::OnRupture;
+use super::{SearchHost, result};
+use crate::identify::convergence::{Labels, SignalLabel};
+use crate::identify::options::{Bounds, Method, Search, Starts};
+use crate::script::{HostResult, number, refuse, thrown};
+use base::diagnostic::closest;
+use base::removed;
 
 /// Registers `minimize` and `minimize_all`.
 pub(super) fn register(engine: &mut Engine, host: &SearchHost) {
@@ -77,77 +80,158 @@ fn searches(method: &str, starts: &Array, options: &Dynamic, calls: Array) -> Ho
     searches.collect()
 }
 
-/// The reference of `minimize`.
-pub(super) const ENTRIES: &[Entry] = &[
-    Entry {
-        call: "minimize(method, start, options, |x| …)",
-        gives: "the minimum of the objective: #{ x, f, iterations, evaluations, converged, reason, simplex_size, \
-            history, starts, warnings, findings }; `findings` are maps with code, severity, message and figures, \
-            `warnings` the messages of those of severity \"warning\". Methods: \"nelder-mead\" (as MATLAB's \
-            fminsearch), \"levenberg-marquardt\" (residuals), \"cma-es\" (rough objectives). The objective gives a \
-            number, or a \
-            signal or list of residuals, of which \"nelder-mead\" and \"cma-es\" take the norm. It is called from \
-            several threads with copies of the variables that it captures, made when the search began. A trial may \
-            take 1 000 000 operations; all searches of a script share its time limit of a week",
-        example: r#"let banana = |x| 100 * (x[1] - x[0] ** 2) ** 2 + (1 - x[0]) ** 2;
-                    let best = minimize("nelder-mead", [-1.2, 1], #{}, banana);
-                    best.iterations == 85 && best.evaluations == 159 && best.converged"#,
-    },
-    Entry {
-        call: "minimize_all(method, [start, …], options, [|x| …, …])",
-        gives: "the results of `minimize` for independent objectives, in their order and to the same bit, from \
-            concurrent searches on all cores; options are one map for all or a list of maps. If a search fails, \
-            earlier ones run to their ends, later ones are cancelled, and the call fails with the first error",
-        example: r#"let found = minimize_all("nelder-mead", [[2.0], [3.0]], #{ tol_f: 1e-6 },
-                        [|x| x[0] ** 2, |x| (x[0] - 1) ** 2]);
-                    found[1].f == minimize("nelder-mead", [3.0], #{ tol_f: 1e-6 }, |x| (x[0] - 1) ** 2).f"#,
-    },
-    Entry {
-        call: "#{ tol_x, tol_f, max_iterations, max_evaluations }",
-        gives: "tolerances, 1e-4 each, absolute for \"nelder-mead\" and \"cma-es\" and relative for \
-            \"levenberg-marquardt\"; limits, 200 for each unknown",
-        example: r#"let o = #{ max_iterations: 3 }; let best = minimize("nelder-mead", [1], o, |x| x[0] ** 2);
-                    !best.converged && best.reason == "max_iterations was reached" && best.history.len() == 3"#,
-    },
-    Entry {
-        call: "#{ lower: [..], upper: [..] }",
-        gives: "bounds, `()` for none: by projection, with restarts on a bound (\"nelder-mead\"), or by transform (the \
-            others)",
-        example: r#"let best = minimize("nelder-mead", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2); best.x[0] == 1.5"#,
-    },
-    Entry {
-        call: "#{ starts: 5, seed: 1 }, #{ starts: [[..], ..] }",
-        gives: "further starts, in a Latin hypercube over the bounds or as given; warnings say if their results \
-            disagree",
-        example: r#"let o = #{ lower: [-3], upper: [3], starts: 4 };
-                    let best = minimize("nelder-mead", [1.2], o, |x| (x[0] ** 2 - 1) ** 2 + 0.3 * x[0]);
-                    best.x[0] < 0 && best.warnings[0].contains("local minima")"#,
-    },
-    Entry {
-        call: "#{ on_rupture: \"fail\" | \"keep\" }",
-        gives: "whether a run with a ruptured film is a trial that failed, as one is that throws or is not finite. Such \
-            trials count as worse than all others, and are noted in warnings",
-        example: r#"let best = minimize("nelder-mead", [2.0], #{}, |x| if x[0] < 1 { throw "too small" } else { x[0] });
-                    best.x[0] >= 1 && best.warnings[0].contains("too small")"#,
-    },
-    Entry {
-        call: "#{ title: \"1008\", signals: [\"acceleration (m/s²)\", ..] }",
-        gives: "title of the search in the report, which shows the objective, the unknowns and the signals \
-            that the objective compares with references (`relative_error`, `relative_residuals`, `rate`) by iteration; \
-            and names of these signals, in the order in which they are compared",
-        example: r#"let read = signal([0, 1, 2], [5, 7, 9]);
-                    let o = #{ title: "line", signals: ["force (N)"], names: ["offset"] };
-                    let line = |x| signal([0, 1, 2], [x[0], x[0] + 2, x[0] + 4]);
-                    let best = minimize("nelder-mead", [4.0], o, |x| relative_error(line.call(x), read, [0, 2]));
-                    (best.x[0] - 5).abs() < 1e-3"#,
-    },
-    Entry {
-        call: "#{ names: [..], difference: 1e-3 }",
-        gives: "names of the unknowns, which are columns of the history; relative step of the differences of the \
-            Jacobian",
-        example: r#"minimize("nelder-mead", [2.0], #{ names: ["k1"] }, |x| x[0] ** 2).history[0].k1 == 2.0"#,
-    },
+/// Largest limit of iterations or evaluations.
+const MAX_COUNT: INT = 100_000;
+
+/// Largest length of a title or a name, characters.
+const MAX_LENGTH: usize = 200;
+
+/// Names of the options.
+pub(super) const OPTIONS: [&str; 13] = [
+    "tol_x",
+    "tol_f",
+    "max_iterations",
+    "max_evaluations",
+    "lower",
+    "upper",
+    "seed",
+    "starts",
+    "on_rupture",
+    "difference",
+    "names",
+    "title",
+    "signals",
 ];
+
+const ON_RUPTURE: [(&str, OnRupture); 2] = [("fail", OnRupture::Fail), ("keep", OnRupture::Keep)];
+
+/// A search of a script.
+pub(super) struct ScriptSearch {
+    pub(super) search: Search,
+    pub(super) on_rupture: OnRupture,
+    pub(super) labels: Labels,
+    /// The objective.
+    pub(super) call: FnPtr,
+}
+
+impl ScriptSearch {
+    /// The search for the arguments of `minimize`.
+    pub(super) fn new(method: &str, start: &Array, options: &Map, call: FnPtr) -> HostResult<ScriptSearch> {
+        let method = word("method", method, &Method::NAMES)?;
+        let mut search = Search::new(method, numbers(start, "start")?);
+        let mut on_rupture = OnRupture::default();
+        let unknowns = search.start.len();
+        let mut labels = Labels::default();
+        let mut signals: Vec<String> = vec![];
+        let mut sides = [None, None];
+        for (option, value) in options {
+            let list = || match value.read_lock::<Array>() {
+                Some(list) => Ok(list.clone()),
+                None => Err(refuse(format!("`{option}` is a list, not {}", value.type_name()))),
+            };
+            let text = || {
+                let text = value.clone().into_immutable_string();
+                text.map_err(|found| refuse(format!("`{option}` must be a string, not {found}")))
+            };
+            match option.as_str() {
+                "tol_x" => search.tol_x = number(value, option)?,
+                "tol_f" => search.tol_f = number(value, option)?,
+                "difference" => search.difference = number(value, option)?,
+                "max_iterations" => search.max_iterations = count(value, option, MAX_COUNT)?,
+                "max_evaluations" => search.max_evaluations = count(value, option, MAX_COUNT)?,
+                "seed" => search.seed = whole(value, option)?.cast_unsigned(),
+                "lower" => sides[0] = Some(side(&list()?, f64::NEG_INFINITY, option)?),
+                "upper" => sides[1] = Some(side(&list()?, f64::INFINITY, option)?),
+                "starts" if value.is_array() => search.starts = Starts::Given(points(&list()?)?),
+                "starts" => search.starts = Starts::Spread(count(value, option, MAX_COUNT)?),
+                "on_rupture" => on_rupture = word(option, &text()?, &ON_RUPTURE)?,
+                "names" => search.names = list()?.iter().map(Dynamic::to_string).collect(),
+                "title" => labels.title = Some(text()?.to_string()),
+                "signals" => signals = list()?.iter().map(Dynamic::to_string).collect(),
+                other => return Err(unknown_option("minimize", other, OPTIONS)),
+            }
+        }
+        if search.names.len() != unknowns {
+            return Err(refuse(format!(
+                "`names` has {found} entries for {unknowns} unknowns",
+                found = search.names.len()
+            )));
+        }
+        check_labels(&search.names, &labels, &signals)?;
+        labels.signals = signals.iter().map(|text| SignalLabel::parse(text)).collect();
+        let [lower, upper] = sides;
+        search.bounds = Bounds::new(&search.names, lower, upper).map_err(refuse)?;
+        Ok(ScriptSearch { search, on_rupture, labels, call })
+    }
+}
+
+fn check_labels(names: &[String], labels: &Labels, signals: &[String]) -> HostResult<()> {
+    let mut all = names.iter().chain(signals).chain(&labels.title);
+    let fits = |text: &String| !text.trim().is_empty() && text.chars().count() <= MAX_LENGTH;
+    let message =
+        || format!("`title`, `names` and `signals` of a search must be strings of 1 to {MAX_LENGTH} characters");
+    if all.all(fits) { Ok(()) } else { Err(refuse(message())) }
+}
+
+/// The value of a word among `known`.
+pub(super) fn word<T: Copy>(what: &str, text: &str, known: &[(&'static str, T)]) -> HostResult<T> {
+    let found = known.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
+    found.ok_or_else(|| unknown(what, text, known.iter().map(|(name, _)| *name)))
+}
+
+/// The error for a word that is not among `known`, with the closest one as a hint.
+pub(super) fn unknown<'k>(
+    what: &str,
+    text: &str,
+    known: impl IntoIterator<Item = &'k str> + Clone,
+) -> Box<EvalAltResult> {
+    let hint = match closest(text, known.clone()) {
+        Some(close) => format!("did you mean `{close}`?"),
+        None => format!("there are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
+    };
+    refuse(format!("unknown {what} `{text}` ({hint})"))
+}
+
+/// The error for an option that `function` does not have.
+pub(super) fn unknown_option<'k>(
+    function: &str,
+    option: &str,
+    known: impl IntoIterator<Item = &'k str> + Clone,
+) -> Box<EvalAltResult> {
+    let gone = |function: &str| removed::function(&format!("{function}.{option}"));
+    match gone(function).or_else(|| gone("minimize")) {
+        Some(hint) => refuse(format!("unknown option `{option}` ({hint})")),
+        None => unknown("option", option, known),
+    }
+}
+
+/// An integer of 1 to `max`.
+pub(super) fn count(value: &Dynamic, option: &str, max: INT) -> HostResult<usize> {
+    let count = whole(value, option)?;
+    let fits = usize::try_from(count).ok().filter(|_| (1..=max).contains(&count));
+    fits.ok_or_else(|| refuse(format!("`{option}` is {count}, which must be 1 to {max}")))
+}
+
+fn whole(value: &Dynamic, option: &str) -> HostResult<INT> {
+    value.as_int().map_err(|found| refuse(format!("`{option}` is a whole number, not {found}")))
+}
+
+fn numbers(list: &Array, what: &str) -> HostResult<Vec<f64>> {
+    list.iter().map(|item| number(item, what)).collect()
+}
+
+/// Bounds of one side; `()` is `none`.
+fn side(list: &Array, none: f64, what: &str) -> HostResult<Vec<f64>> {
+    list.iter().map(|item| if item.is_unit() { Ok(none) } else { number(item, what) }).collect()
+}
+
+fn points(list: &Array) -> HostResult<Vec<Vec<f64>>> {
+    let point = |item: &Dynamic| match item.read_lock::<Array>() {
+        Some(point) => numbers(&point, "starts"),
+        None => Err(refuse(format!("`starts` is a number or a list of lists, with {} in it", item.type_name()))),
+    };
+    list.iter().map(point).collect()
+}
 
 #[cfg(test)]
 mod tests {
@@ -188,13 +272,13 @@ mod tests {
 
     /// The search stops at its limit of trials before it comes to 1.2 or below, where the index is out of range.
     #[test]
-    fn a_mistake_in_an_unused_speculative_trial_is_not_reported() {
+    fn a_mistake_in_an_unused_trial_is_not_reported() {
         let text = "let few = minimize(\"nelder-mead\", [2.0], #{ max_evaluations: 6 }, |x| {
-            if x[0] <= 1.2 { return [0][9]; }
-            if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } }
-            x[0]
-        });
-        few.x[0]";
+        if x[0] <= 1.2 { return [0][9]; }
+        if x[0] < 1.5 { let s = 0; for i in 0..20000 { s += 1; } }
+        x[0]
+    });
+    few.x[0]";
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let least = pool.install(|| test_engine(Limits::STUDY).eval::<f64>(text)).unwrap();
@@ -206,15 +290,15 @@ mod tests {
     fn concurrent_searches_have_the_results_of_each_alone() {
         let text =
             "let calls = [|x| [10 * (x[1] - x[0] ** 2), 1 - x[0]], |x| [x[0] - 3, x[0] * x[1]], |x| [x[0], x[1] - 1]];
-            let starts = [[-1.2, 1], [1.0, 2], [0.5, 0.5]];
-            for method in [\"nelder-mead\", \"levenberg-marquardt\", \"cma-es\"] {
-                let together = minimize_all(method, starts, #{ max_evaluations: 150 }, calls);
-                for (found, place) in together {
-                    let alone = minimize(method, starts[place], #{ max_evaluations: 150 }, calls[place]);
-                    if found.x != alone.x || found.f != alone.f || found.evaluations != alone.evaluations
-                        || found.history.len() != alone.history.len() { throw method + place }
-                }
-            }";
+        let starts = [[-1.2, 1], [1.0, 2], [0.5, 0.5]];
+        for method in [\"nelder-mead\", \"levenberg-marquardt\", \"cma-es\"] {
+            let together = minimize_all(method, starts, #{ max_evaluations: 150 }, calls);
+            for (found, place) in together {
+                let alone = minimize(method, starts[place], #{ max_evaluations: 150 }, calls[place]);
+                if found.x != alone.x || found.f != alone.f || found.evaluations != alone.evaluations
+                    || found.history.len() != alone.history.len() { throw method + place }
+            }
+        }";
         test_engine(Limits::STUDY).run(text).unwrap();
     }
 
@@ -231,26 +315,26 @@ mod tests {
     #[test]
     fn changes_of_captured_variables_are_lost_after_each_trial() {
         let text = "let n = 0; let l = [0];
-            let best = minimize(\"nelder-mead\", [1.0], |x| { n += 1; l.push(n); x[0] ** 2 + l.len() + n });
-            best.f - 3.0 < 1e-6 && n == 0 && l.len() == 1";
+        let best = minimize(\"nelder-mead\", [1.0], |x| { n += 1; l.push(n); x[0] ** 2 + l.len() + n });
+        best.f - 3.0 < 1e-6 && n == 0 && l.len() == 1";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 
     #[test]
     fn findings_have_code_severity_message_and_figures() {
         let text = "let best = minimize(\"nelder-mead\", [2.0], #{ lower: [1.5] }, |x| x[0] ** 2);
-            let found = best.findings[0];
-            found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
-                && found.parameter == \"x0\" && found.side == \"lower\" && found.value == 1.5";
+        let found = best.findings[0];
+        found.code == \"on-bound\" && found.severity == \"warning\" && found.message == best.warnings[0]
+            && found.parameter == \"x0\" && found.side == \"lower\" && found.value == 1.5";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 
     #[test]
     fn a_note_is_among_the_findings_and_not_among_the_warnings() {
         let text = "let best = minimize(\"nelder-mead\", [1.5], #{ lower: [1.5] }, |x| x[0]);
-            let notes = best.findings.filter(|found| found.severity == \"note\");
-            notes.len() == 1 && notes[0].code == \"start-on-bound\" && best.warnings.len() == best.findings.len() - 1
-                && best.warnings.all(|text| !text.contains(\"start 1\"))";
+        let notes = best.findings.filter(|found| found.severity == \"note\");
+        notes.len() == 1 && notes[0].code == \"start-on-bound\" && best.warnings.len() == best.findings.len() - 1
+            && best.warnings.all(|text| !text.contains(\"start 1\"))";
         assert!(test_engine(Limits::STUDY).eval::<bool>(text).unwrap());
     }
 
@@ -261,9 +345,9 @@ mod tests {
         let all = |count: usize| {
             format!(
                 "let starts = []; let calls = [];
-                for i in 0..{count} {{ starts.push([3.0, 4, 5, 6]); calls.push(|x| x.reduce(|s, x| s + x ** 2, 0.0)); }}
-                let all = minimize_all(\"nelder-mead\", starts, #{{ max_evaluations: 400, tol_x: 0, tol_f: 0 }}, calls);
-                all.map(|one| one.history.len()).reduce(|a, b| a + b, 0)"
+            for i in 0..{count} {{ starts.push([3.0, 4, 5, 6]); calls.push(|x| x.reduce(|s, x| s + x ** 2, 0.0)); }}
+            let all = minimize_all(\"nelder-mead\", starts, #{{ max_evaluations: 400, tol_x: 0, tol_f: 0 }}, calls);
+            all.map(|one| one.history.len()).reduce(|a, b| a + b, 0)"
             )
         };
         let rows = engine.eval::<INT>(&all(80)).unwrap();
@@ -275,8 +359,8 @@ mod tests {
     #[test]
     fn a_long_history_is_thinned_and_contains_its_ends() {
         let text = "let o = #{ max_iterations: 1000, max_evaluations: 3000, tol_x: 0, tol_f: 0 };
-            let best = minimize(\"nelder-mead\", [3.0, 4, 5, 6], o, |x| x.reduce(|s, x| s + x ** 2, 0.0));
-            [best.history.len(), best.history[0].iteration, best.history[-1].iteration, best.iterations]";
+        let best = minimize(\"nelder-mead\", [3.0, 4, 5, 6], o, |x| x.reduce(|s, x| s + x ** 2, 0.0));
+        [best.history.len(), best.history[0].iteration, best.history[-1].iteration, best.iterations]";
         let found: Vec<INT> =
             test_engine(Limits::STUDY).eval::<Array>(text).unwrap().iter().map(|n| n.as_int().unwrap()).collect();
         assert!(found[0] > 300 && found[0] <= 600 && found[1] == 1 && found[2] == found[3], "{found:?}");

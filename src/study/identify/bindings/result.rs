@@ -3,10 +3,10 @@
 use rhai::{Array, Dynamic, INT, Map};
 
 use crate::identify::convergence::thinned;
-use crate::identify::iteration::Iteration;
-use crate::identify::result::{SearchResult, StartResult};
-use crate::script::from_json;
-use base::finding::{Finding, Report, Severity};
+use crate::identify::search::Iteration;
+use crate::identify::search::{SearchResult, StartResult};
+use crate::script::findings_map;
+use base::finding::Finding;
 use lab::confidence::Confidence;
 
 /// Largest number of values in the results of one call, below the limit of a script's values.
@@ -32,7 +32,7 @@ pub(super) fn of_search(result: &SearchResult, names: &[String], values: usize) 
     let mut map = of_start(&result.best);
     let history = history(&result.starts, names, values, result.starts.len() > 1);
     map.insert("history".into(), history.into());
-    insert_findings(&mut map, result.warnings.iter());
+    map.extend(findings_map(&result.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
     map.insert("starts".into(), starts.into());
     let total: usize = result.starts.iter().map(|start| start.evaluations).sum();
@@ -96,7 +96,7 @@ pub(super) fn of_confidence(confidence: &Confidence) -> Map {
     map.insert("effective_samples".into(), confidence.effective_samples.into());
     map.insert("degrees_of_freedom".into(), confidence.freedom.into());
     map.insert("condition".into(), confidence.condition.into());
-    insert_findings(&mut map, confidence.warnings.iter());
+    map.extend(findings_map(&confidence.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     let rows = (0..count).map(|index| confidence_row(confidence, index).into());
     map.insert("table".into(), rows.collect::<Array>().into());
     let correlations = (0..count).map(|index| correlation_row(confidence, index).into());
@@ -124,19 +124,6 @@ fn correlation_row(confidence: &Confidence, index: usize) -> Map {
     let names = confidence.names.iter().enumerate();
     let pairs = names.map(|(other, name)| (name.as_str(), confidence.correlation[(index, other)]));
     named(&confidence.names[index], pairs)
-}
-
-/// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
-/// among them.
-fn insert_findings<'w, W: Report + 'w>(map: &mut Map, reports: impl Iterator<Item = &'w W>) {
-    let findings: Vec<Finding> = reports.map(Finding::new).collect();
-    let warnings = findings.iter().filter(|found| found.severity == Severity::Warning);
-    map.insert("warnings".into(), warnings.map(|found| found.message.clone().into()).collect::<Array>().into());
-    map.insert("findings".into(), findings.iter().map(map_of).collect::<Array>().into());
-}
-
-fn map_of(finding: &Finding) -> Dynamic {
-    serde_json::to_value(finding).map_or(Dynamic::UNIT, |json| from_json(&json))
 }
 
 fn named<'n>(name: &str, figures: impl IntoIterator<Item = (&'n str, f64)>) -> Map {

@@ -8,11 +8,11 @@ use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
-use super::bounded::onto_bounds;
-use super::trials::{SearchContext, order};
-use crate::identify::error::SearchError;
-use crate::identify::iteration::{Iteration, Step, StopReason};
-use crate::identify::result::StartResult;
+use super::onto_bounds;
+use super::{SearchContext, order};
+use crate::identify::objective::SearchError;
+use crate::identify::search::StartResult;
+use crate::identify::search::{Iteration, Step, StopReason};
 
 /// Initial standard deviation: relative to an unknown without bounds, in u for one with bounds.
 const DEVIATION: f64 = 0.25;
@@ -21,10 +21,7 @@ const DEVIATION: f64 = 0.25;
 const WORST: f64 = 1e300;
 
 /// Searches from `start`.
-pub(in crate::identify) fn search(
-    start: &[f64],
-    context: SearchContext<'_, '_, '_>,
-) -> Result<StartResult, SearchError> {
+pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> Result<StartResult, SearchError> {
     let SearchContext { search, trials, start: number, observer } = context;
     let mut start = start.to_vec();
     search.bounds.inwards(&mut start);
@@ -58,7 +55,8 @@ pub(in crate::identify) fn search(
         .tol_x(search.tol_x)
         .max_generations(search.max_iterations)
         .max_function_evals(search.max_evaluations);
-    let mut state = options.build(objective).map_err(|why| SearchError::CmaEs(format!("{why:?}")))?;
+    let mut state =
+        options.build(objective).map_err(|why| SearchError::refused(format!("cma-es cannot start: {why:?}")))?;
     let mut history: Vec<Iteration> = Vec::new();
     let end = loop {
         before.store(trials.evaluations(), Ordering::Relaxed);

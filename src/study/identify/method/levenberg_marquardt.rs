@@ -9,13 +9,13 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 // The version of nalgebra that the crate uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
-use super::bounded::{falls_beyond, onto_bounds};
-use super::trials::{SearchContext, Trials};
-use crate::identify::error::SearchError;
-use crate::identify::iteration::{Iteration, Step, StopReason};
+use super::{SearchContext, Trials};
+use super::{falls_beyond, onto_bounds};
 use crate::identify::objective::ObjectiveValue;
+use crate::identify::objective::SearchError;
 use crate::identify::options::Search;
-use crate::identify::result::StartResult;
+use crate::identify::search::StartResult;
+use crate::identify::search::{Iteration, Step, StopReason};
 
 /// Norm of the residuals of a failed trial over that at the start.
 const WORST: f64 = 1e3;
@@ -31,10 +31,7 @@ const MAX_RESTARTS: usize = 5;
 ///
 /// The transform has no slope on a bound, which a search cannot leave. Where one converges there, and the objective does not
 /// fall beyond, it restarts beside the bound until a restart brings no improvement.
-pub(in crate::identify) fn search(
-    start: &[f64],
-    context: SearchContext<'_, '_, '_>,
-) -> Result<StartResult, SearchError> {
+pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> Result<StartResult, SearchError> {
     let SearchContext { search, trials, start: number, observer } = context;
     let context = SearchContext { search, trials, start: number, observer: &mut *observer };
     let mut result = onto_bounds(descend(start, context, None)?, search, trials)?;
@@ -45,7 +42,7 @@ pub(in crate::identify) fn search(
         let before = result.f;
         let context = SearchContext { search, trials, start: number, observer: &mut *observer };
         result = match descend(&result.x.clone(), context, Some(&result)) {
-            Err(SearchError::Start { .. }) => break,
+            Err(SearchError::Trial { .. }) => break,
             restarted => onto_bounds(restarted?, search, trials)?,
         };
         // Of sums of squares, as the tolerance of the crate is.
@@ -57,7 +54,7 @@ pub(in crate::identify) fn search(
 }
 
 /// Whether `x` lies on no bound, or the objective falls beyond all on which it lies.
-fn falls_beyond_all(x: &[f64], search: &Search, trials: &Trials<'_, '_>) -> Result<bool, SearchError> {
+fn falls_beyond_all(x: &[f64], search: &Search, trials: &Trials<'_>) -> Result<bool, SearchError> {
     for active in search.bounds.active(x) {
         if falls_beyond(active, x, search, trials)? != Some(true) {
             return Ok(false);
@@ -69,7 +66,7 @@ fn falls_beyond_all(x: &[f64], search: &Search, trials: &Trials<'_, '_>) -> Resu
 /// One descent from `start`, which continues the iterations of `before`.
 fn descend(
     start: &[f64],
-    context: SearchContext<'_, '_, '_>,
+    context: SearchContext<'_>,
     before: Option<&StartResult>,
 ) -> Result<StartResult, SearchError> {
     let search = context.search;
@@ -78,7 +75,11 @@ fn descend(
     search.bounds.inwards(&mut start);
     let first = residuals(context.trials.at_start(&start)?)?;
     if first.len() < start.len() {
-        return Err(SearchError::TooFew { found: first.len(), unknowns: start.len() });
+        return Err(SearchError::refused(format!(
+            "the objective gave {found} residuals for {unknowns} unknowns: levenberg-marquardt needs at least as many",
+            found = first.len(),
+            unknowns = start.len()
+        )));
     }
     // The crate stops after patience × (n + 1) evaluations: rounded up, so that the limit of the search comes first.
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
@@ -116,18 +117,18 @@ fn descend(
 }
 
 /// Residuals as a function of u, the transform of a point within the bounds.
-struct LeastSquares<'s, 'c, 'a> {
+struct LeastSquares<'s> {
     u: DVector<f64>,
     /// Norm of the residuals of a failed trial.
     worst: f64,
     /// Number of residuals.
     count: usize,
     /// The crate evaluates through shared references.
-    state: RefCell<State<'s, 'c, 'a>>,
+    state: RefCell<State<'s>>,
 }
 
-struct State<'s, 'c, 'a> {
-    context: SearchContext<'s, 'c, 'a>,
+struct State<'s> {
+    context: SearchContext<'s>,
     best: (Vec<f64>, f64),
     /// Residuals of the last trial that did not fail.
     here: Vec<f64>,
@@ -148,7 +149,7 @@ enum End {
     Error(SearchError),
 }
 
-impl State<'_, '_, '_> {
+impl State<'_> {
     fn observe(&mut self, step: Step) {
         let (x, f) = self.best.clone();
         let (iteration, evaluations) = (self.iterations, self.context.trials.evaluations());
@@ -159,7 +160,7 @@ impl State<'_, '_, '_> {
     }
 }
 
-impl LeastSquares<'_, '_, '_> {
+impl LeastSquares<'_> {
     fn x_of(&self, u: &DVector<f64>) -> Vec<f64> {
         self.state.borrow().context.search.bounds.x_of(u.as_slice())
     }
@@ -189,7 +190,10 @@ impl LeastSquares<'_, '_, '_> {
         match &found {
             Some(found) if found.len() != self.count => {
                 let expected = self.count;
-                Err(SearchError::Residuals { x: x.into(), found: found.len(), expected })
+                Err(SearchError::refused(format!(
+                    "the objective gave {found} residuals at {x:?}, and {expected} at the start",
+                    found = found.len()
+                )))
             }
             _ => Ok(found),
         }
@@ -199,10 +203,8 @@ impl LeastSquares<'_, '_, '_> {
         let x = self.x_of(&self.u);
         let value = {
             let state = self.state.borrow();
-            let mut points = vec![x.clone()];
-            points.extend(self.difference_points());
             // If the step is accepted, as most are, the Jacobian is requested next.
-            state.context.trials.speculate(&points);
+            state.context.trials.prepare(std::slice::from_ref(&x), &self.difference_points())?;
             state.context.trials.value(&x)?
         };
         let Some(found) = self.checked(&x, value)? else {
@@ -242,7 +244,11 @@ impl LeastSquares<'_, '_, '_> {
         u[index] -= step;
         let x = self.x_of(&u);
         let value = self.state.borrow().context.trials.value(&x)?;
-        self.checked(&x, value)?.ok_or(SearchError::NoDerivative { x })
+        self.checked(&x, value)?.ok_or_else(|| {
+            SearchError::refused(format!(
+                "a trial failed at {x:?}: the trials on both sides failed, there is no derivative"
+            ))
+        })
     }
 
     /// The value; none, which stops the crate, where the search ends.
@@ -262,7 +268,7 @@ impl LeastSquares<'_, '_, '_> {
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -306,7 +312,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_, '_, '_> {
 fn residuals(value: ObjectiveValue) -> Result<Vec<f64>, SearchError> {
     match value {
         ObjectiveValue::Residuals(residuals) => Ok(residuals),
-        ObjectiveValue::Scalar(_) => Err(SearchError::NotResiduals),
+        ObjectiveValue::Scalar(_) => Err(SearchError::refused(
+            "levenberg-marquardt needs residuals, and the objective gave a number: return a signal or a list, or use nelder-mead",
+        )),
     }
 }
 

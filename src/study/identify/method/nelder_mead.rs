@@ -1,11 +1,14 @@
 //! The simplex search of Nelder and Mead with bounds and restarts.
+//!
+//! The simplex of Nelder and Mead, in the variant of Lagarias, Reeds, Wright and Wright (SIAM J. Optim. 9, 1998) and
+//! with all choices of MATLAB's `fminsearch`, so that numbers of iterations and evaluations can be compared with it.
+//!
+//! No crate makes these choices: `argmin` stops on the standard deviation of the objective and leaves the initial
+//! simplex to the caller.
 
-use super::simplex::{Limits, Simplex, SimplexValues};
-use super::speculation;
-use super::trials::{SearchContext, Trials};
-use crate::identify::error::SearchError;
-use crate::identify::iteration::{Iteration, StopReason};
-use crate::identify::result::StartResult;
+use super::{SearchContext, Trials};
+use crate::identify::objective::SearchError;
+use crate::identify::search::{Iteration, StartResult, Step, StopReason};
 
 /// Largest number of restarts with a best vertex on a bound.
 const MAX_RESTARTS: usize = 5;
@@ -14,10 +17,7 @@ const MAX_RESTARTS: usize = 5;
 ///
 /// A simplex that collapsed onto a bound cannot leave it. Where one converges with its best vertex on a bound, the
 /// search restarts with a new simplex around that vertex until a restart brings no improvement.
-pub(in crate::identify) fn search(
-    start: &[f64],
-    context: SearchContext<'_, '_, '_>,
-) -> Result<StartResult, SearchError> {
+pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> Result<StartResult, SearchError> {
     let SearchContext { search, trials, start: number, observer } = context;
     let mut values = Projected(trials);
     let limits = Limits {
@@ -61,24 +61,17 @@ pub(in crate::identify) fn search(
 }
 
 /// The trials of a simplex, projected onto the bounds.
-struct Projected<'s, 'c, 'a>(&'s Trials<'c, 'a>);
+struct Projected<'s>(&'s Trials<'s>);
 
-impl SimplexValues for Projected<'_, '_, '_> {
+impl SimplexValues for Projected<'_> {
     type Error = SearchError;
 
     fn value(&mut self, x: &[f64]) -> Result<f64, SearchError> {
         Ok(self.0.value(x)?.map_or(f64::INFINITY, |value| value.value()))
     }
 
-    fn speculate(&mut self, points: &[Vec<f64>]) {
-        self.0.speculate(points);
-    }
-
-    fn predict(&self, simplex: &Simplex) -> Vec<Vec<f64>> {
-        match self.0.max_speculative() {
-            0 => vec![],
-            max => speculation::points(simplex, self.0, max),
-        }
+    fn prepare(&mut self, points: &[Vec<f64>], probable: &[Vec<f64>]) -> Result<(), SearchError> {
+        self.0.prepare(points, probable)
     }
 
     fn project(&self, x: &mut [f64]) {
@@ -97,5 +90,259 @@ fn iteration(simplex: &Simplex, start: usize) -> Iteration {
         size: Some(simplex.size()),
         spread: Some(simplex.spread()),
         step: simplex.step,
+    }
+}
+
+/// Reflection, expansion, contraction and shrinkage of Lagarias et al.
+const REFLECT: f64 = 1.0;
+const EXPAND: f64 = 2.0;
+const CONTRACT: f64 = 0.5;
+const SHRINK: f64 = 0.5;
+
+/// Relative edge length of the initial simplex along an axis, and the absolute one where the start is zero.
+const STEP: f64 = 0.05;
+const STEP_FROM_ZERO: f64 = 0.00025;
+
+/// The values of a simplex.
+trait SimplexValues {
+    /// Why there is no value.
+    type Error;
+
+    /// The value at `x`; one that is not finite counts as worse than all others.
+    fn value(&mut self, x: &[f64]) -> Result<f64, Self::Error>;
+
+    /// Evaluates `points`, which are requested next, and of the `probable` ones as many as there is time for.
+    fn prepare(&mut self, _points: &[Vec<f64>], _probable: &[Vec<f64>]) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Projects a point onto the bounds.
+    fn project(&self, _x: &mut [f64]) {}
+}
+
+/// Weight of earlier iterations in the frequencies of second points.
+const DECAY: f64 = 0.9;
+
+/// Tolerances, which both have to be met, and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Limits {
+    /// Largest distance of a vertex from the best one along an axis.
+    tol_x: f64,
+    /// Largest difference of the value at a vertex from the best one.
+    tol_f: f64,
+    max_iterations: usize,
+    max_evaluations: usize,
+}
+
+impl Limits {
+    /// Whether a limit is reached.
+    fn are_met(&self, simplex: &Simplex) -> bool {
+        simplex.iterations >= self.max_iterations || simplex.evaluations >= self.max_evaluations
+    }
+}
+
+/// A simplex of n + 1 vertices, the best first.
+#[derive(Clone, Debug, PartialEq)]
+struct Simplex {
+    vertices: Vec<Vertex>,
+    iterations: usize,
+    evaluations: usize,
+    /// The kind of the last step.
+    step: Step,
+    /// Decaying frequencies of the second points of iterations: expanded, contracted outside, contracted inside.
+    frequencies: [f64; 3],
+}
+
+/// A point and its value.
+#[derive(Clone, Debug, PartialEq)]
+struct Vertex {
+    x: Vec<f64>,
+    f: f64,
+    /// Number of its evaluation.
+    evaluation: usize,
+}
+
+impl Simplex {
+    /// The start and a point beside it along each axis, on the other side where the bounds allow none on this one.
+    fn around<V: SimplexValues>(start: &[f64], values: &mut V) -> Result<Simplex, V::Error> {
+        let beside = |axis: usize| {
+            let step = if start[axis] == 0.0 { STEP_FROM_ZERO } else { STEP * start[axis] };
+            let mut x = start.to_vec();
+            // Not start + step: the rounding of fminsearch.
+            x[axis] = if start[axis] == 0.0 { STEP_FROM_ZERO } else { (1.0 + STEP) * start[axis] };
+            values.project(&mut x);
+            if x[axis] == start[axis] {
+                x[axis] = start[axis] - step;
+                values.project(&mut x);
+            }
+            x
+        };
+        let points: Vec<Vec<f64>> = std::iter::once(start.to_vec()).chain((0..start.len()).map(beside)).collect();
+        values.prepare(&points, &[])?;
+        let vertices = points
+            .into_iter()
+            .zip(1..)
+            .map(|(x, evaluation)| vertex(x, evaluation, values))
+            .collect::<Result<Vec<_>, _>>()?;
+        let evaluations = vertices.len();
+        let mut simplex = Simplex { vertices, iterations: 1, evaluations, step: Step::Initial, frequencies: [0.0; 3] };
+        simplex.sort();
+        Ok(simplex)
+    }
+
+    /// Whether both tolerances of `limits` are met.
+    fn has_converged(&self, limits: &Limits) -> bool {
+        let best = &self.vertices[0];
+        let largest = best.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // As in fminsearch: a tolerance below the rounding of the numbers would never be met.
+        self.spread() <= limits.tol_f.max(10.0 * spacing(best.f))
+            && self.size() <= limits.tol_x.max(10.0 * spacing(largest))
+    }
+
+    /// Largest distance of a vertex from the best one along an axis.
+    fn size(&self) -> f64 {
+        let best = &self.vertices[0].x;
+        let distances =
+            self.vertices[1..].iter().flat_map(|other| other.x.iter().zip(best).map(|(a, b)| (a - b).abs()));
+        distances.fold(0.0, f64::max)
+    }
+
+    /// Largest difference of the value at a vertex from the best one.
+    fn spread(&self) -> f64 {
+        let best = self.vertices[0].f;
+        self.vertices[1..].iter().map(|other| (other.f - best).abs()).fold(0.0, f64::max)
+    }
+
+    /// One iteration: the worst vertex moves, or all but the best shrink towards it.
+    fn advance<V: SimplexValues>(&mut self, values: &mut V) -> Result<(), V::Error> {
+        let n = self.vertices.len() - 1;
+        let centre = self.centroid();
+        let [best, second_worst, worst] = [0, n - 1, n].map(|index| self.vertices[index].f);
+        // Away from the worst vertex by a factor, towards it where that is negative.
+        let along = |factor: f64| -> Vec<f64> {
+            let worst = &self.vertices[n].x;
+            let mut x: Vec<f64> = centre.iter().zip(worst).map(|(c, w)| (1.0 + factor) * c - factor * w).collect();
+            values.project(&mut x);
+            x
+        };
+        // All four are known before any value is, so that idle threads can evaluate them at once.
+        let [reflected, expanded, outside, inside] =
+            [REFLECT, REFLECT * EXPAND, REFLECT * CONTRACT, -CONTRACT].map(along);
+        values.prepare(std::slice::from_ref(&reflected), &self.second_points([&expanded, &outside, &inside]))?;
+        let reflected = self.evaluate(reflected, values)?;
+        let (moved, step) = if reflected.f < best {
+            let expanded = self.evaluate_second(0, expanded, values)?;
+            if expanded.f < reflected.f { (Some(expanded), Step::Expanded) } else { (Some(reflected), Step::Reflected) }
+        } else if reflected.f < second_worst {
+            (Some(reflected), Step::Reflected)
+        } else if reflected.f < worst {
+            let outside = self.evaluate_second(1, outside, values)?;
+            ((outside.f <= reflected.f).then_some(outside), Step::ContractedOutside)
+        } else {
+            let inside = self.evaluate_second(2, inside, values)?;
+            ((inside.f < worst).then_some(inside), Step::ContractedInside)
+        };
+        match moved {
+            Some(vertex) => {
+                self.vertices[n] = vertex;
+                self.step = step;
+            }
+            None => self.shrink(values)?,
+        }
+        self.sort();
+        self.iterations += 1;
+        Ok(())
+    }
+
+    /// The second points of an iteration, the most probable first.
+    fn second_points(&self, points: [&Vec<f64>; 3]) -> [Vec<f64>; 3] {
+        let mut order = [2, 0, 1];
+        order.sort_by(|a, b| self.frequencies[*b].total_cmp(&self.frequencies[*a]));
+        order.map(|index| points[index].clone())
+    }
+
+    fn evaluate_second<V: SimplexValues>(
+        &mut self,
+        which: usize,
+        x: Vec<f64>,
+        values: &mut V,
+    ) -> Result<Vertex, V::Error> {
+        // Older iterations count less: which second point is likely changes along the way.
+        self.frequencies = self.frequencies.map(|frequency| DECAY * frequency);
+        self.frequencies[which] += 1.0;
+        self.evaluate(x, values)
+    }
+
+    fn shrink<V: SimplexValues>(&mut self, values: &mut V) -> Result<(), V::Error> {
+        let best = self.vertices[0].x.clone();
+        let shrunk = |vertex: &Vertex| vertex.x.iter().zip(&best).map(|(x, b)| b + SHRINK * (x - b)).collect();
+        let points: Vec<Vec<f64>> = self.vertices[1..].iter().map(shrunk).collect();
+        values.prepare(&points, &[])?;
+        for (index, x) in points.into_iter().enumerate() {
+            self.vertices[index + 1] = self.evaluate(x, values)?;
+        }
+        self.step = Step::Shrunk;
+        Ok(())
+    }
+
+    /// Mean of all vertices but the worst, summed in the order of their evaluations: it does not depend on their ranks, to the
+    /// bit.
+    fn centroid(&self) -> Vec<f64> {
+        let count = self.vertices.len() - 1;
+        let mut vertices: Vec<&Vertex> = self.vertices[..count].iter().collect();
+        vertices.sort_by_key(|vertex| vertex.evaluation);
+        let mean = |axis: usize| vertices.iter().map(|vertex| vertex.x[axis]).sum::<f64>() / count as f64;
+        (0..count).map(mean).collect()
+    }
+
+    fn evaluate<V: SimplexValues>(&mut self, x: Vec<f64>, values: &mut V) -> Result<Vertex, V::Error> {
+        self.evaluations += 1;
+        vertex(x, self.evaluations, values)
+    }
+
+    /// The simplex with this many iterations and evaluations of earlier ones counted in.
+    fn after(self, [iterations, evaluations]: [usize; 2]) -> Simplex {
+        Simplex { iterations: self.iterations + iterations, evaluations: self.evaluations + evaluations, ..self }
+    }
+
+    /// Best first; of equal ones the older first.
+    fn sort(&mut self) {
+        self.vertices.sort_by(|a, b| a.f.total_cmp(&b.f));
+    }
+}
+
+fn vertex<V: SimplexValues>(x: Vec<f64>, evaluation: usize, values: &mut V) -> Result<Vertex, V::Error> {
+    let f = values.value(&x)?;
+    Ok(Vertex { x, f: if f.is_finite() { f } else { f64::INFINITY }, evaluation })
+}
+
+/// Distance from `value` to the next larger number of its size.
+fn spacing(value: f64) -> f64 {
+    let size = value.abs();
+    size.next_up() - size
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+
+    /// All points but the vertices are worse than they.
+    #[test]
+    fn a_simplex_without_better_points_shrinks_to_its_best_vertex() {
+        struct Vertices(Vec<Vec<f64>>);
+        impl SimplexValues for Vertices {
+            type Error = Infallible;
+            fn value(&mut self, x: &[f64]) -> Result<f64, Infallible> {
+                let known = self.0.iter().position(|vertex| vertex == x);
+                Ok(known.map_or(f64::NAN, |index| index as f64))
+            }
+        }
+        let mut vertices = Vertices(vec![vec![1.0, 2.0], vec![1.05, 2.0], vec![1.0, 2.1]]);
+        let Ok(mut simplex) = Simplex::around(&[1.0, 2.0], &mut vertices);
+        let Ok(()) = simplex.advance(&mut vertices);
+        assert_eq!((simplex.step, simplex.evaluations), (Step::Shrunk, 3 + 2 + 2));
+        assert!((simplex.size() - 0.05).abs() < 1e-12 && simplex.vertices[0].x == [1.0, 2.0]);
     }
 }

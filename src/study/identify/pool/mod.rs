@@ -1,4 +1,0 @@
-//! Trials in parallel: the pool of threads and its schedule.
-
-mod schedule;
-pub(crate) mod trial_pool;

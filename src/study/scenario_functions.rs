@@ -1,0 +1,587 @@
+//! Functions of scenarios and their runs for studies: scripts that are started by `droptower script`.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use serde_json::Value;
+
+use crate::evaluate::{self, EvaluationError, Evaluations, NoOutcome, RunEvent};
+use crate::functions::Reduced;
+use crate::post::run::{self, ReferenceSignals};
+use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
+use crate::script::{
+    HostResult, Options, RunFindings, Session, ShippedModule, check_stop, from_json, number, numerical_failure, refuse,
+    refuse_key, to_json,
+};
+use crate::store::evaluations::Share;
+use base::budget::Claim;
+use base::diagnostic::Diagnostic;
+use base::finding::Finding;
+use base::units::Density;
+use lab::experiment::coupon::{Coupon, Curve, ShearMethod};
+use lab::experiment::material_file::coupon::CouponMaterial;
+use membrane::material::Law;
+use scene::mesh::Outline;
+use scene::model::{self, Model};
+use scene::scenario::{Assignment, Document, grammar};
+use scene::simulate::{self, Across, Cancellation, Outcome, PullError, RunOptions};
+
+/// The module of films that is part of droptower, which scripts over scenarios can import.
+pub(crate) const FILM: ShippedModule =
+    ShippedModule { name: "droptower/film", text: include_str!("../../scripts/droptower/film.rhai") };
+
+/// A checked scenario in a script. Cheap to clone.
+#[derive(Clone)]
+pub struct Study(Arc<Parts>);
+
+struct Parts {
+    document: Document,
+    model: Model,
+    plan: Plan,
+    /// Runs that were computed before; none where all are computed again.
+    evaluations: Option<Arc<Evaluations>>,
+    _claim: Claim,
+}
+
+/// Bytes of a checked scenario beside its document, about: its model, with curves of up to some hundred points.
+const MODEL_SIZE: usize = 16 << 10;
+
+/// How scripts read scenarios: the changes of the command line, and the runs that are kept.
+#[derive(Clone, Default)]
+pub struct Scenarios {
+    /// Changes of every scenario that a script reads.
+    pub changes: Vec<Assignment>,
+    /// Runs that were computed before; none where all are computed again.
+    pub evaluations: Option<Arc<Evaluations>>,
+}
+
+impl Scenarios {
+    /// The scenario at `path`, relative to the working directory.
+    fn read(&self, path: &Path, session: &Session) -> HostResult<Study> {
+        Study::read(path, &self.changes, self.evaluations.clone(), session)
+    }
+
+    /// The scenario in a file that a script names, or one that it has read.
+    pub(crate) fn named(&self, given: &Dynamic, session: &Session) -> HostResult<Study> {
+        if let Some(study) = given.read_lock::<Study>() {
+            return Ok(study.clone());
+        }
+        let path = given.clone().into_string();
+        let path = path.map_err(|found| refuse(format!("expected a scenario or the path of one, found {found}")))?;
+        self.read(Path::new(&path), session)
+    }
+}
+
+/// The outcome of a run, or why there is none.
+type Found = Result<Outcome, NoOutcome>;
+
+impl Study {
+    /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
+    ///
+    /// The session records the files that this reads.
+    fn read(
+        path: &Path,
+        changes: &[Assignment],
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
+        let document = Document::read(path).map_err(|mut found| {
+            let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
+            if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
+                let hint = format!(
+                    "paths of scripts are seen from the working directory, {}, those of studies from their file",
+                    folder.display()
+                );
+                mistake.hint.get_or_insert(hint);
+            }
+            mistakes(found)
+        })?;
+        Study::check(document.with(changes), None, evaluations, session)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.0.model.name
+    }
+
+    /// The checked scenario.
+    pub(crate) fn model(&self) -> &Model {
+        &self.0.model
+    }
+
+    /// The scenario as written, with its changes.
+    pub fn document(&self) -> &Document {
+        &self.0.document
+    }
+
+    /// Checks `document`, which may be a variant of another study.
+    fn check(
+        document: Document,
+        other: Option<&Parts>,
+        evaluations: Option<Arc<Evaluations>>,
+        session: &Session,
+    ) -> HostResult<Study> {
+        let model = model::check(&document).map_err(mistakes)?;
+        session.report(model::warnings(&document, &model).iter().map(Finding::new));
+        let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
+            Some(other) => other.plan.clone(),
+            None => Plan::prepare(&model).map_err(refuse)?,
+        };
+        if let (Some(reference), Some(comparison)) = (&model.reference, plan.comparison()) {
+            let field = comparison.field.as_ref();
+            reference.signals.iter().for_each(|path| session.add_recording(path, comparison.annotations.is_virtual()));
+            if let Some((field, first)) = field.and_then(|field| Some((field, field.states.first()?))) {
+                session.add_recording(&first.path, field.annotations.is_virtual());
+            }
+        }
+        let _claim = session.budget().claim(MODEL_SIZE + document.size());
+        Ok(Study(Arc::new(Parts { document, model, plan, evaluations, _claim })))
+    }
+
+    /// A study of the scenario with changed values of its keys.
+    pub(crate) fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
+        let changes = changes.iter().map(|(key, value)| assignment(key, value));
+        let changes = changes.collect::<HostResult<Vec<_>>>()?;
+        Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
+    }
+
+    /// The same scenario with an impactor, the one that is recorded, faster by so much (m/s); the scenario as written stays.
+    pub(crate) fn faster(&self, by: f64, session: &Session) -> Study {
+        let mut model = self.0.model.clone();
+        let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
+        if let Some(impactor) = model.impactors.get_mut(recorded) {
+            let speed = impactor.velocity.iter().map(|own| own * own).sum::<f64>().sqrt();
+            impactor.velocity = impactor.velocity.map(|own| own * (1.0 + by / speed));
+        }
+        self.of_model(model, session)
+    }
+
+    /// The same scenario on elements of another size; none where a file has them.
+    pub(crate) fn with_elements(&self, factor: f64, session: &Session) -> Option<Study> {
+        if self.has_own_mesh() {
+            return None;
+        }
+        let mut model = self.0.model.clone();
+        for face in &mut model.faces {
+            face.meshing.size *= factor;
+            if let Some(grading) = &mut face.meshing.grading {
+                grading.fine *= factor;
+            }
+        }
+        Some(self.of_model(model, session))
+    }
+
+    /// Whether a file has its elements.
+    fn has_own_mesh(&self) -> bool {
+        matches!(self.0.model.specimen.shape, Outline::Mesh { .. })
+    }
+
+    /// Edge length of its smallest elements, m; none where a file has them.
+    pub(crate) fn smallest_element(&self) -> Option<f64> {
+        let of = |face: &model::Face| face.meshing.grading.as_ref().map_or(face.meshing.size, |grading| grading.fine);
+        let all = self.0.model.faces.iter().map(of);
+        all.reduce(f64::min).filter(|_| !self.has_own_mesh())
+    }
+
+    /// A variant whose checked scenario differs in what needs no other preparation.
+    fn of_model(&self, model: Model, session: &Session) -> Study {
+        let Parts { document, plan, evaluations, .. } = &*self.0;
+        let _claim = session.budget().claim(MODEL_SIZE + document.size());
+        let (document, plan, evaluations) = (document.clone(), plan.clone(), evaluations.clone());
+        Study(Arc::new(Parts { document, model, plan, evaluations, _claim }))
+    }
+
+    pub(crate) fn simulate(&self, session: &Session) -> HostResult<Run> {
+        if let Some(evaluations) = &self.0.evaluations {
+            evaluations.tell(RunEvent::Wanted(1));
+        }
+        self.simulate_or_wait(session)
+    }
+
+    /// The run, which was asked for, also where another process computes it.
+    fn simulate_or_wait(&self, session: &Session) -> HostResult<Run> {
+        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::measure)?;
+        run.ok_or_else(|| refuse("the run was cancelled"))
+    }
+
+    /// The run with the figures of its post script.
+    pub(crate) fn simulate_with_post(&self, session: &Session) -> HostResult<Run> {
+        if let Some(evaluations) = &self.0.evaluations {
+            evaluations.tell(RunEvent::Wanted(1));
+        }
+        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::evaluate)?;
+        run.ok_or_else(|| refuse("the run was cancelled"))
+    }
+
+    /// The run, unless another process computes it.
+    fn simulate_unless_claimed(&self, session: &Session) -> HostResult<Option<Run>> {
+        self.simulate_with(session, Evaluations::outcome_unless_claimed, Plan::measure)
+    }
+
+    fn simulate_with<F: Into<Option<Found>>>(
+        &self,
+        session: &Session,
+        outcome: impl Fn(&Evaluations, &Model, &Cancellation) -> Result<F, EvaluationError>,
+        measure: impl Fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>,
+    ) -> HostResult<Option<Run>> {
+        let Parts { model, plan, evaluations, .. } = &*self.0;
+        let cut = session.is_trial().then(|| evaluate::cut(model, plan.comparison()));
+        let model = cut.as_ref().unwrap_or(model);
+        let cancellation = session.cancellation();
+        if !session.is_trial() {
+            check_stop(session)?;
+        }
+        let found = match evaluations {
+            Some(evaluations) => outcome(evaluations, model, cancellation).map_err(refuse)?.into(),
+            None => {
+                let options = RunOptions { cancellation: cancellation.clone(), ..RunOptions::default() };
+                let ran = simulate::run_with(model, options, &mut |_| {});
+                Some(ran.map_err(|error| NoOutcome::from_error(&error, model)))
+            }
+        };
+        let Some(found) = found else { return Ok(None) };
+        let outcome = found.map_err(|NoOutcome { cause, is_numerical }| {
+            let cause = format!("{}: {cause}", model.name);
+            session.add_failure(&cause);
+            if is_numerical { numerical_failure(cause) } else { refuse(cause) }
+        })?;
+        if let Some(time) = outcome.rupture_time {
+            session.add_rupture(&model.name, time);
+        }
+        let mut results = measure(plan, model, &outcome).map_err(refuse)?;
+        if model.run_time() < self.0.model.run_time() {
+            results = results.ended_early();
+        }
+        let mut found = RunFindings::default();
+        found.count(results.measures.findings().iter().map(|finding| finding.code.as_str()));
+        session.count_runs(&found);
+        Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
+    }
+
+    fn reference(&mut self) -> HostResult<ReferenceSignals> {
+        Ok(ReferenceSignals(self.comparison()?.clone()))
+    }
+
+    fn window(&mut self) -> HostResult<Array> {
+        Ok(self.comparison()?.window.map(Dynamic::from).into())
+    }
+
+    /// The material of the specimen as a material file.
+    fn material_text(&self) -> HostResult<String> {
+        let none = || refuse(format!("the specimen of {} has no material: its faces have", self.0.model.name));
+        self.0.document.material_text().ok_or_else(none)
+    }
+
+    /// What is written at a key, `()` where nothing is.
+    fn written(&self, key: &str) -> HostResult<Dynamic> {
+        if grammar::scenario().at(key).is_none() {
+            return Err(refuse(format!("a scenario has no key `{key}`")));
+        }
+        let Some(node) = self.0.document.find(key) else { return Ok(Dynamic::UNIT) };
+        let json = serde_json::to_value(node.to_toml()).map_err(|error| refuse(format!("`{key}`: {error}")))?;
+        Ok(from_json(&json))
+    }
+
+    /// The curve of one fibre set or of shear, with its multipliers, of all faces or of one.
+    fn curve(&self, name: &str, face: Option<INT>) -> HostResult<Curve> {
+        let faces = &self.0.model.faces;
+        let chosen = match face {
+            Some(face) => usize::try_from(face).ok().and_then(|face| faces.get(face)).map(std::slice::from_ref),
+            None => Some(&faces[..]),
+        };
+        let Some([first, others @ ..]) = chosen else {
+            return Err(refuse(format!(
+                "the number of the face is out of range; {} has {}",
+                self.0.model.name,
+                faces.len()
+            )));
+        };
+        let found = points(&first.material.law, name)?;
+        for other in others {
+            if points(&other.material.law, name)? != found {
+                return Err(refuse(format!("the curves of the faces differ: choose one, `curve({name:?}, 0)`")));
+            }
+        }
+        let (strains, stresses) = found.into_iter().map(|[strain, stress]| (strain, stress)).unzip();
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// The curve of a single element of the film at `strains`.
+    fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
+        let options = Options { of: "pull", map: options };
+        options.check(&["across"])?;
+        let stresses = self.pulled(&strains, across(&options)?)?;
+        Curve::new(strains, stresses).map_err(refuse)
+    }
+
+    /// Stresses (Pa) of a single element of the film at increasing strains.
+    pub(crate) fn pulled(&self, strains: &[f64], across: Across) -> HostResult<Vec<f64>> {
+        simulate::pull(&self.0.model, strains, across).map_err(|error| self.failed(error))
+    }
+
+    /// Stresses (Pa) of a single element of the film at `strains`, forth and back, at the rate of the jaws or at given
+    /// times.
+    fn stresses(&self, strains: &[f64], options: &Map) -> HostResult<Array> {
+        let options = Options { of: "stresses", map: options };
+        options.check(&["across", "times"])?;
+        let (model, across) = (&self.0.model, across(&options)?);
+        let found = match options.map.get("times") {
+            None => simulate::pull(model, strains, across),
+            Some(times) => {
+                let times = times.clone().into_array();
+                let times = times.map_err(|found| refuse(format!("expected a list as times, found {found}")))?;
+                if times.len() != strains.len() {
+                    return Err(refuse(format!("{} times for {} strains", times.len(), strains.len())));
+                }
+                let point = |(time, strain): (&Dynamic, &f64)| Ok([number(time, "a time")?, *strain]);
+                let path = times.iter().zip(strains).map(point).collect::<HostResult<Vec<_>>>()?;
+                simulate::pull_along(model, &path, across)
+            }
+        };
+        Ok(found.map_err(|error| self.failed(error))?.into_iter().map(Dynamic::from).collect())
+    }
+
+    fn failed(&self, error: PullError) -> Box<EvalAltResult> {
+        refuse(format!("{}: {error}", self.0.model.name))
+    }
+
+    pub(crate) fn comparison(&self) -> HostResult<&ReferenceComparison> {
+        let comparison = self.0.plan.comparison();
+        comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
+    }
+}
+
+/// The option `across` of a single element.
+fn across(options: &Options<'_>) -> HostResult<Across> {
+    let given = options.map.get("across").map_or_else(|| "held".into(), Dynamic::to_string);
+    across_named(&given)
+        .ok_or_else(|| refuse(format!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{given}\"")))
+}
+
+/// What scripts call what holds a single element across.
+pub(crate) fn across_named(name: &str) -> Option<Across> {
+    match name {
+        "held" => Some(Across::Held),
+        "free" => Some(Across::Free),
+        "strip" => Some(Across::Strip),
+        "equal" => Some(Across::Equal),
+        _ => None,
+    }
+}
+
+/// Points of a curve of a fabric, with the origin: strain, stress (Pa).
+fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
+    let curve = match (law, name) {
+        (Law::Elastic(_) | Law::TensionField(_), _) => {
+            return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Hyperelastic(_), _) => {
+            return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Plastic(_), _) => {
+            return Err(refuse("a plastic film has no curves; only a fabric has md, td and shear"));
+        }
+        (Law::Fabric(fabric), "md") => Some(fabric.md()),
+        (Law::Fabric(fabric), "td") => Some(fabric.td()),
+        (Law::Fabric(fabric), "shear") => Some(fabric.shear()),
+        (Law::RateFabric(fabric), "md") => fabric.md().single(),
+        (Law::RateFabric(fabric), "td") => fabric.td().single(),
+        (Law::RateFabric(fabric), "shear") => Some(fabric.shear()),
+        _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
+    };
+    let Some(curve) = curve else {
+        return Err(refuse(format!("`{name}` is not a single curve: its curves depend on the strain rate (`rates`)")));
+    };
+    Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
+}
+
+/// Simulates all in parallel; the runs are in the order of the scenarios.
+fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
+    let session = Session::from_context(&context);
+    let study = |item: Dynamic| {
+        let found = item.type_name();
+        let study = item.try_cast::<Study>();
+        study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
+    };
+    let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
+    let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
+    if let Some(evaluations) = studies.iter().find_map(|study| study.0.evaluations.as_ref()) {
+        evaluations.tell(RunEvent::Wanted(studies.len()));
+    }
+    let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
+    // What other processes compute comes last.
+    let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
+        Some(run) => Ok(run),
+        None => study.simulate_or_wait(&session),
+    });
+    runs.map(|run| run.map(Dynamic::from)).collect()
+}
+
+/// Takes the places by all threads, in this order; the results are in the order of the places. After an error nothing more
+/// is begun, and what is left has that error.
+fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sync) -> Vec<HostResult<T>> {
+    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let worker = |_: usize| {
+        std::iter::from_fn(|| {
+            let place =
+                *order.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !is_over.load(Ordering::Relaxed))?;
+            let found = take(place);
+            is_over.fetch_or(found.is_err(), Ordering::Relaxed);
+            Some((place, found))
+        })
+        .collect::<Vec<_>>()
+    };
+    let mut found: Vec<(usize, HostResult<T>)> =
+        (0..rayon::current_num_threads()).into_par_iter().flat_map_iter(worker).collect();
+    found.sort_by_key(|(place, _)| *place);
+    match found.len() == order.len() {
+        true => found.into_iter().map(|(_, found)| found).collect(),
+        false => found.into_iter().map(|(_, found)| found).filter(Result::is_err).take(1).collect(),
+    }
+}
+
+fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
+    list.iter().map(|strain| number(strain, "a strain")).collect()
+}
+
+/// The change of a key; `()` leaves it out.
+fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
+    if value.is_unit() {
+        return Ok(Assignment::unset(key, "script"));
+    }
+    let json = to_json(value)?;
+    let value = toml::Value::try_from(&json);
+    let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
+    Assignment::from_value(key, &value, &format!("{CHANGED}{key}")).map_err(mistakes)
+}
+
+/// Beginning of the name of the source of a changed value, before its key.
+const CHANGED: &str = "script: ";
+
+/// One mistake in a changed value is reported at its key, several with their keys.
+fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
+    let key = |mistake: &Diagnostic| {
+        let source = mistake.span.as_ref().map(|span| span.source.name.clone())?;
+        source.strip_prefix(CHANGED).map(str::to_owned)
+    };
+    if let [mistake] = &mistakes[..]
+        && let Some(key) = key(mistake)
+    {
+        return refuse_key(&key, &mistake.message, mistake.hint.clone());
+    }
+    let line = |mistake: &Diagnostic| {
+        let hint = mistake.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
+        match &mistake.span {
+            Some(_) if key(mistake).is_some() => {
+                format!("`{}`: {}{hint}", key(mistake).unwrap_or_default(), mistake.message)
+            }
+            Some(span) => format!("{span:?}: {}{hint}", mistake.message),
+            None => format!("{}{hint}", mistake.message),
+        }
+    };
+    refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
+}
+
+/// Offers scenarios to scripts; `changes` apply to each that a script reads. Runs are taken from `evaluations` and added to
+/// them.
+pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
+    run::register(engine);
+    let scenarios = scenarios.clone();
+    register_coupon_material(engine);
+    Session::of_engine(engine).ship(&[FILM]);
+    engine
+        .register_type_with_name::<Study>("scenario")
+        .register_fn("scenario", move |context: NativeCallContext, path: &str| {
+            scenarios.read(Path::new(path), &Session::from_context(&context))
+        })
+        .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
+            study.with(changes, &Session::from_context(&context))
+        })
+        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| {
+            study.simulate(&Session::from_context(&context))
+        })
+        .register_fn("simulate_all", simulate_all)
+        .register_fn("pull", |study: &mut Study, strains: Array| study.pull(self::strains(&strains)?, &Map::new()))
+        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))
+        .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
+        .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
+        .register_fn("stresses", |study: &mut Study, strains: Array| {
+            study.stresses(&self::strains(&strains)?, &Map::new())
+        })
+        .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
+            study.stresses(&self::strains(&strains)?, &more)
+        })
+        .register_get("reference", Study::reference)
+        .register_get("window", Study::window)
+        .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
+        .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
+        .register_fn("written", |study: &mut Study, key: &str| study.written(key))
+        .register_fn("material_text", |study: &mut Study| study.material_text())
+        .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
+        .register_get("name", |study: &mut Study| study.0.model.name.clone())
+        .register_get("title", |study: &mut Study| study.0.model.title.clone());
+}
+
+/// Default name of the file of the shear curve.
+const SHEAR_FILE: &str = "material-shear.csv";
+
+/// Offers `coupon_material` to scripts.
+fn register_coupon_material(engine: &mut Engine) {
+    engine
+        .register_fn("coupon_material", |reduced: Reduced, coupon: Coupon| texts(&reduced, coupon, &Map::new()))
+        .register_fn("coupon_material", |reduced: Reduced, coupon: Coupon, more: Map| texts(&reduced, coupon, &more));
+}
+
+fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
+    let more = Options { of: "coupon_material", map: more };
+    more.check(&["density", "shear_file", "shear_by", "elastic_corner"])?;
+    let density = more.map.get("density").map(|_| more.quantity("density", Density::DIMENSION)).transpose()?;
+    let shear_file = more.map.get("shear_file").map_or(SHEAR_FILE.into(), Dynamic::to_string);
+    let shear_by: Option<ShearMethod> =
+        more.map.get("shear_by").map(|method| method.to_string().parse()).transpose().map_err(refuse)?;
+    let shear_by = shear_by.unwrap_or_default();
+    let elastic_corner = more.map.get("elastic_corner").map(|_| more.needed_number("elastic_corner")).transpose()?;
+    let reduction = &reduced.0;
+    let material =
+        CouponMaterial { reduction, coupon, density, shear_file: &shear_file, elastic_corner, shear_by, shear: None };
+    let texts = material.texts().map_err(refuse)?;
+    let pairs = [("material", texts.material), ("shear", texts.shear)];
+    Ok(pairs.into_iter().map(|(name, text)| (name.into(), Dynamic::from(text))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use membrane::material::{
+        self, Elastic, Fabric, Hyperelastic, HyperelasticLaw, Polynomial, RateCurves, TensionField,
+    };
+
+    fn straight(stress: f64) -> material::Curve {
+        material::Curve::new(vec![[1.0, stress]]).unwrap()
+    }
+
+    #[test]
+    fn only_fabric_with_one_curve_has_it() {
+        let rates = vec![(1.0, straight(1e6)), (9.0, straight(2e6))];
+        let by_rate = RateCurves::new(rates, 0.01).unwrap();
+        let law = Law::RateFabric(Fabric::new(by_rate, RateCurves::from(straight(3e6)), straight(4e6), 0.0));
+        assert_eq!(points(&law, "td").unwrap(), [[0.0, 0.0], [1.0, 3e6]]);
+        assert_eq!(points(&law, "shear").unwrap(), [[0.0, 0.0], [1.0, 4e6]]);
+        let elastic = Elastic { young: 5e7, poisson: 0.44 };
+        let energy = Polynomial::neo_hookean(1e6);
+        let rubber = Law::Hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling: false }));
+        for (law, name, expected) in [
+            (&law, "md", "`md` is not a single curve: its curves depend on the strain rate (`rates`)"),
+            (&law, "bias", "there is no curve `bias`; a fabric has md, td and shear"),
+            (&Law::Elastic(elastic.clone()), "md", "an elastic film has no curves"),
+            (&Law::TensionField(TensionField(elastic)), "td", "an elastic film has no curves"),
+            (&rubber, "md", "a hyperelastic film has no curves"),
+        ] {
+            let message = points(law, name).unwrap_err().to_string();
+            assert!(message.contains(expected), "{name}: {message}");
+        }
+    }
+}

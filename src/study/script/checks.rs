@@ -1,0 +1,414 @@
+//! What is found in a script before it runs: calls of undefined functions, unknown options, unknown fields.
+
+use std::collections::{BTreeSet, HashSet};
+
+use rhai::{AST, ASTNode, Engine, Expr, FnCallExpr, Position, Stmt};
+
+use super::module::Unit;
+use super::{CallOptions, Fault, Fields};
+use base::diagnostic::closest;
+use base::removed;
+
+/// Functions of the interpreter itself, which its list of functions lacks.
+const BUILT_IN: [&str; 9] =
+    ["print", "debug", "type_of", "Fn", "call", "curry", "is_shared", "is_def_var", "is_def_fn"];
+
+/// Every call in `units` whose name neither the engine nor the text with the call defines, in the order of the texts.
+///
+/// A method may also be a closure in a map, so a method is accepted where one of the texts has its name as a key, a
+/// property or a text.
+pub(super) fn undefined_calls(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
+    let mut known: BTreeSet<String> = engine
+        .collect_fn_metadata(None, |function| Some(function.metadata.name.to_string()), true)
+        .into_iter()
+        .collect();
+    known.extend(BUILT_IN.map(str::to_owned));
+    let words: Vec<Words> = units.iter().map(|unit| Words::from_program(&unit.program)).collect();
+    let mentioned: HashSet<&str> = words.iter().flat_map(|words| words.mentioned.iter().map(String::as_str)).collect();
+    units.iter().zip(&words).flat_map(|(unit, words)| calls_of_unit(unit, words, &mentioned, known.clone())).collect()
+}
+
+fn calls_of_unit(unit: &Unit, words: &Words, mentioned: &HashSet<&str>, mut known: BTreeSet<String>) -> Vec<Fault> {
+    known.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
+    let undefined = |call: &&Call| {
+        let in_a_map = call.is_method && mentioned.contains(call.name.as_str());
+        !known.contains(&call.name) && !in_a_map
+    };
+    let mut calls: Vec<&Call> = words.calls.iter().filter(undefined).collect();
+    calls.sort_by_key(|call| (call.position.line(), call.position.position()));
+    let fault = |call: &Call| {
+        let message = format!("undefined function `{}`", call.name);
+        Fault::located(&unit.source, call.position, message).with_hint(hint_for(call, words, &known))
+    };
+    calls.into_iter().map(fault).collect()
+}
+
+fn hint_for(call: &Call, words: &Words, known: &BTreeSet<String>) -> Option<String> {
+    let name = &call.name;
+    if words.variables.contains(name) {
+        return Some(format!("call the function in the variable as `{name}.call(…)`"));
+    }
+    let functions =
+        known.iter().map(String::as_str).filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_'));
+    removed::function(name).or_else(|| closest(name, functions).map(|close| format!("did you mean `{close}`?")))
+}
+
+struct Call {
+    name: String,
+    position: Position,
+    is_method: bool,
+}
+
+/// The calls of a script, and other names in it.
+#[derive(Default)]
+pub(super) struct Words {
+    calls: Vec<Call>,
+    /// Keys of maps, properties and texts.
+    pub(super) mentioned: HashSet<String>,
+    variables: HashSet<String>,
+}
+
+impl Words {
+    pub(super) fn from_program(program: &AST) -> Words {
+        let mut words = Words::default();
+        program.walk(&mut |path: &[ASTNode]| {
+            match path.last() {
+                Some(ASTNode::Expr(expression)) => words.read_expression(expression),
+                Some(ASTNode::Stmt(statement)) => words.read_statement(statement),
+                _ => {}
+            }
+            true
+        });
+        words
+    }
+
+    fn read_expression(&mut self, expression: &Expr) {
+        match expression {
+            Expr::FnCall(call, position) => self.read_call(call, *position, false),
+            Expr::MethodCall(call, position) => self.read_call(call, *position, true),
+            Expr::StringConstant(text, _) => drop(self.mentioned.insert(text.to_string())),
+            Expr::Property(property, _) => drop(self.mentioned.insert(property.2.to_string())),
+            Expr::Map(map, _) => self.mentioned.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
+            _ => {}
+        }
+    }
+
+    fn read_statement(&mut self, statement: &Stmt) {
+        match statement {
+            Stmt::FnCall(call, position) => self.read_call(call, *position, false),
+            Stmt::Var(variable, _, _) => drop(self.variables.insert(variable.0.name.to_string())),
+            _ => {}
+        }
+    }
+
+    fn read_call(&mut self, call: &FnCallExpr, position: Position, is_method: bool) {
+        if !call.is_operator_call() && !call.is_qualified() {
+            self.calls.push(Call { name: call.name.to_string(), position, is_method });
+        }
+    }
+}
+
+/// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
+/// it has as a key, a property or a text, are not those of the host.
+pub(super) fn unknown_options(known: &[CallOptions], units: &[Unit]) -> Vec<Fault> {
+    let mut own: HashSet<String> = HashSet::new();
+    for unit in units {
+        own.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
+        own.extend(Words::from_program(&unit.program).mentioned);
+    }
+    units.iter().flat_map(|unit| options_of_unit(known, unit, &own)).collect()
+}
+
+fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) -> Vec<Fault> {
+    let mut found = Vec::new();
+    unit.program.walk(&mut |path: &[ASTNode]| {
+        let call: Option<&FnCallExpr> = match path.last() {
+            Some(
+                ASTNode::Expr(Expr::FnCall(call, _) | Expr::MethodCall(call, _)) | ASTNode::Stmt(Stmt::FnCall(call, _)),
+            ) => Some(call),
+            _ => None,
+        };
+        if let Some(call) = call.filter(|call| !own.contains(call.name.as_str())) {
+            for options in known.iter().filter(|options| options.function == call.name.as_str()) {
+                let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
+                for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
+                    if !options.names.iter().any(|names| names.contains(&key.name.as_str())) {
+                        found.push((*options, key.name.to_string(), key.pos));
+                    }
+                }
+            }
+        }
+        true
+    });
+    found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
+    let fault = |(options, key, position): (CallOptions, String, Position)| {
+        let message = format!("{} has no option `{key}`", options.of);
+        let names = || options.names.iter().copied().flatten().copied();
+        let gone = removed::function(&format!("{}.{key}", options.function));
+        let hint = gone.or_else(|| closest(&key, names()).map(|close| format!("did you mean `{close}`?")));
+        let known = || format!("it takes {}", names().collect::<Vec<_>>().join(", "));
+        Fault::located(&unit.source, position, message).with_hint(Some(hint.unwrap_or_else(known)))
+    };
+    found.into_iter().map(fault).collect()
+}
+
+/// The map of options itself, or the maps within one of them.
+fn maps_of<'a>(given: &'a Expr, inside: Option<&str>) -> Vec<&'a Expr> {
+    let Some(option) = inside else { return vec![given] };
+    let value =
+        as_map(given).and_then(|mut entries| entries.find(|(key, _)| key.name == option)).map(|(_, value)| value);
+    match value {
+        Some(Expr::Array(list, _)) => list.iter().collect(),
+        Some(map @ Expr::Map(..)) => as_map(map).into_iter().flatten().map(|(_, value)| value).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The entries of a map.
+fn as_map(expression: &Expr) -> Option<impl Iterator<Item = (&rhai::Ident, &Expr)>> {
+    match expression {
+        Expr::Map(map, _) => Some(map.0.iter().map(|(key, value)| (key, value))),
+        _ => None,
+    }
+}
+
+/// Every access `.<map>.<field>` in `units` to a field that the map cannot have, in the order of the texts. A program
+/// that has the name of the map, or of the field, as a key or a text may make such a map itself.
+pub(super) fn unknown_fields(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
+    let mut own: HashSet<String> = HashSet::new();
+    let found: Vec<Vec<Access>> = units.iter().map(|unit| accesses(unit, &mut own)).collect();
+    let fault = |unit: &Unit, (map, field, position): Access| {
+        let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
+        let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
+        if own.contains(&map) || own.contains(&field) {
+            return None;
+        }
+        let fault = Fault::located(&unit.source, position, format!("a {map} has no `{field}`"));
+        let close = closest(&field, known.names.iter().copied());
+        Some(fault.with_hint(close.map(|name| format!("did you mean `{name}`?"))))
+    };
+    let faults = units.iter().zip(found).flat_map(|(unit, found)| found.into_iter().map(move |access| (unit, access)));
+    faults.filter_map(|(unit, access)| fault(unit, access)).collect()
+}
+
+/// Map, field and place of an access.
+type Access = (String, String, Position);
+
+/// The accesses in a text; keys and texts in it are added to `own`.
+fn accesses(unit: &Unit, own: &mut HashSet<String>) -> Vec<Access> {
+    let mut found: Vec<Access> = Vec::new();
+    unit.program.walk(&mut |path: &[ASTNode]| {
+        match path.last() {
+            Some(ASTNode::Expr(Expr::Map(map, _))) => own.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
+            Some(ASTNode::Expr(Expr::StringConstant(text, _))) => drop(own.insert(text.to_string())),
+            Some(ASTNode::Expr(Expr::Dot(pair, ..))) => {
+                if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
+                    found.push((map, field, position));
+                }
+            }
+            _ => {}
+        }
+        true
+    });
+    found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
+    found
+}
+
+fn property(expression: &Expr) -> Option<(String, Position)> {
+    match expression {
+        Expr::Property(property, position) => Some((property.2.to_string(), *position)),
+        _ => None,
+    }
+}
+
+/// The property that an access begins with.
+fn first_property(expression: &Expr) -> Option<(String, Position)> {
+    match expression {
+        Expr::Dot(pair, ..) | Expr::Index(pair, ..) => property(&pair.lhs),
+        other => property(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rhai::{Array, Dynamic, FLOAT, INT, Map, Scope};
+
+    use super::*;
+    use crate::script::{Fault, Limits, Script, Session, engine, refuse_key};
+
+    fn faults_of_calls(text: &str) -> Vec<Fault> {
+        let mut engine = engine(Limits::POST);
+        engine.register_fn("measure", |_: &str, _: INT| {}).register_fn("time_of_max", |_: FLOAT| {});
+        Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).err().unwrap_or_default()
+    }
+
+    #[test]
+    fn undefined_functions_are_reported_with_their_positions() {
+        for (text, expected) in [
+            ("let a = 1;\n  nosuch(a)", "s.rhai:2:3: undefined function `nosuch`"),
+            ("nosuch(1);", "s.rhai:1:1: undefined function `nosuch`"),
+            ("fn f(x) {\n x.nosuch()\n}\nf(1)", "s.rhai:2:4: undefined function `nosuch`"),
+            ("let f = |x| nosuch(x);", "s.rhai:1:13: undefined function `nosuch`"),
+            ("let m = #{};\nm.nosuch(1)", "s.rhai:2:3: undefined function `nosuch`"),
+            ("if false { for i in 0..3 { [1].map(|x| `${nosuch(x)}`) } }", "s.rhai:1:43: undefined function `nosuch`"),
+            ("switch 1 { 2 => nosuch(), _ => 1 }", "s.rhai:1:17: undefined function `nosuch`"),
+        ] {
+            let found = faults_of_calls(text);
+            let found: Vec<String> = found.iter().map(Fault::to_string).collect();
+            assert_eq!(found, [expected], "{text:?}");
+        }
+    }
+
+    #[test]
+    fn all_undefined_functions_are_reported_at_once_with_hints() {
+        let found = faults_of_calls("mesure(\"a\", 1);\nlet f = |x| x;\nf(2);\n1.0.time_of_mxa();");
+        let hints: Vec<_> = found.iter().map(|fault| (fault.line, fault.hint.as_deref().unwrap_or_default())).collect();
+        let expected = [
+            (1, "did you mean `measure`?"),
+            (3, "call the function in the variable as `f.call(…)`"),
+            (4, "did you mean `time_of_max`?"),
+        ];
+        assert_eq!(hints, expected);
+    }
+
+    #[test]
+    fn functions_that_may_be_defined_are_accepted() {
+        let sound = [
+            "fn later(x) { x + 1 } later(1)",
+            "twice(1); fn twice(x) { x * 2 }",
+            "let m = #{ grow: |x| x + 1 }; m.grow(1)",
+            "let m = #{}; m.grow = |x| x + 1; m.grow(1)",
+            "let m = #{}; m[\"grow\"] = |x| x + 1; m.grow(1)",
+            "let k = 2; let f = |x| x * k; f.call(3); call(f, 3)",
+            "let f = Fn(\"abs\"); f.call(-1); type_of(f); is_shared(f); debug(f); print(f)",
+            "if is_def_fn(\"abs\", 1) { (-1).abs() } is_def_var(\"a\")",
+            "fn own() { this + 1 } let a = 1; a.own()",
+            "let a = [3, 1]; a.sort(); a.push(2); a.filter(|x| x > 1).map(|x| x.sqrt()).reduce(|s, x| s + x, 0.0); a.len()",
+            "for i in range(0, 3) { let t = `${i} of ${i.to_string()}`; t.to_upper(); } max(1, 2); PI().sin(); E().ln()",
+            "1 in [1, 2]; -1 + 2 ** 3; !true; 1..3; \"a\" + 'b'; let x = 1; x += 2; x <<= 1; x ?? 2; #{}?.a",
+            "\"abc\".sub_string(1); \"a,b\".split(\",\"); parse_int(\"1\"); parse_float(\"1\"); #{ a: 1 }.keys(); #{}.values()",
+            "try { throw 1 } catch (e) { e.to_string() }",
+        ];
+        for text in sound {
+            assert_eq!(faults_of_calls(text), [], "{text}");
+        }
+    }
+
+    fn faults_of_options(text: &str) -> Vec<String> {
+        let mut engine = engine(Limits::POST);
+        engine.register_fn("fit", |_: Map| {}).register_fn("draw", |_: Array, _: Map| {});
+        let session = Session::of_engine(&engine);
+        let of = |of, function, inside, names| CallOptions { of, function, inside, names };
+        session.declare_options(of("fit", "fit", None, &[&["tests", "share"], &["parameters"]]));
+        session.declare_options(of("a test of fit", "fit", Some("tests"), &[&["weight"]]));
+        session.declare_options(of("a parameter of fit", "fit", Some("parameters"), &[&["start"]]));
+        session.declare_options(of("draw", "draw", None, &[&["samples"]]));
+        let found = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).err().unwrap_or_default();
+        found.iter().map(Fault::to_string).collect()
+    }
+
+    #[test]
+    fn misspelt_options_are_found_at_their_place() {
+        for (text, expected) in [
+            ("fit(#{ tests: [], shar: 1 });", vec!["s.rhai:1:19: fit has no option `shar`"]),
+            (
+                "let f = fit(#{\n  tests: [#{ weight: 1 }, #{ wieght: 2 }] });",
+                vec!["s.rhai:2:30: a test of fit has no option `wieght`"],
+            ),
+            (
+                "fit(#{ parameters: #{ start: #{ start: 1 }, k: #{ stat: 1 } }, other: 2 });",
+                vec!["s.rhai:1:51: a parameter of fit has no option `stat`", "s.rhai:1:64: fit has no option `other`"],
+            ),
+            ("[1].draw(#{ sample: 3 });", vec!["s.rhai:1:13: draw has no option `sample`"]),
+            ("draw([], #{ samples: 3 });", vec![]),
+            // What is not written there is known when it runs.
+            ("let o = #{ sample: 3 }; draw([], o + #{ sampel: 1 });", vec![]),
+            ("fn draw(a, b) { }\ndraw([], #{ mine: 3 });", vec![]),
+            ("let own = #{ draw: |a, b| 1 };\nown.draw(1, #{ mine: 3 });", vec![]),
+        ] {
+            assert_eq!(faults_of_options(text), expected, "{text}");
+        }
+    }
+
+    fn faults_of_fields(text: &str) -> Vec<(usize, usize, String, Option<String>)> {
+        let mut engine = engine(Limits::POST);
+        Session::of_engine(&engine).declare(Fields { map: "summary", names: &["peak_force_N", "elements"] });
+        engine.register_fn("start", || -> Map { [("summary".into(), Dynamic::from(Map::new()))].into() });
+        engine.register_fn("with", |changes: Map| match changes.contains_key("b.c") {
+            true => Err(refuse_key("b.c", "unknown key `c`", Some("did you mean `d`?".into()))),
+            false => Ok(1_i64),
+        });
+        let of = |fault: Fault| (fault.line, fault.column, fault.message, fault.hint);
+        match Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text) {
+            Err(faults) => faults.into_iter().map(of).collect(),
+            Ok(script) => script.run(&engine, Scope::new()).err().into_iter().map(of).collect(),
+        }
+    }
+
+    /// Where the map is reached at once, before the script runs; in a variable, when it is read.
+    #[test]
+    fn a_misspelt_field_is_reported_with_the_closest_name() {
+        let hint = Some("did you mean `peak_force_N`?".to_owned());
+        for (text, line, column, message) in [
+            ("throw 1;\nstart().summary.peak_forc_N", 2, 17, "a summary has no `peak_forc_N`"),
+            ("throw 1; [start()][0].summary.peak_forc_N.max()", 1, 31, "a summary has no `peak_forc_N`"),
+            ("let s = start().summary; s.peak_forc_N", 1, 28, "there is no property `peak_forc_N`"),
+        ] {
+            assert_eq!(faults_of_fields(text), [(line, column, message.to_owned(), hint.clone())], "{text}");
+        }
+        assert_eq!(faults_of_fields("let m = #{ summary: #{ own: 1 } }; m.summary.own"), []);
+    }
+
+    #[test]
+    fn a_function_without_brackets_has_a_hint() {
+        let [(1, 11, message, hint)] = &faults_of_fields("let a = 1.sqrt;")[..] else {
+            panic!("{:?}", faults_of_fields("let a = 1.sqrt;"))
+        };
+        assert_eq!(message, "`sqrt` is a function and has no brackets here");
+        assert_eq!(hint.as_deref(), Some("call it as `.sqrt()`"));
+    }
+
+    #[test]
+    fn a_refused_key_is_reported_at_its_place() {
+        let text = "with(#{ a: 1 });\nwith(#{\n  a: 1,\n  \"b.c\": 2,\n});";
+        let hint = Some("did you mean `d`?".to_owned());
+        assert_eq!(faults_of_fields(text), [(4, 3, "unknown key `c`".to_owned(), hint.clone())]);
+        for (text, line, column) in [
+            ("let a = #{ \"b.c\": 1 };\nwith(a);\nlet later = #{ \"b.c\": 2 };", 2, 1),
+            ("let a = #{ \"b.c\": 1 };\nwith(a); [#{ \"b.c\": 2 }];", 2, 1),
+            ("let f = || with(#{ a: 1 } + #{\n \"b.c\": 1 });\nlet later = #{ \"b.c\": 2 };\nf.call()", 2, 2),
+            ("if true {\n  let made = 1 + with(#{ \"b.c\": 1 });\n}", 2, 26),
+        ] {
+            assert_eq!(faults_of_fields(text), [(line, column, "unknown key `c`".to_owned(), hint.clone())], "{text}");
+        }
+        assert_eq!(
+            faults_of_fields("try { with(#{ \"b.c\": 2 }) } catch (e) { if !e.contains(\"mean\") { throw 1 } }"),
+            []
+        );
+    }
+
+    #[test]
+    fn export_is_not_supported() {
+        let expected = (2, 1, "`export` is not supported in scripts".to_owned());
+        let (line, column, message, hint) = faults_of_fields("let a = 1;\nexport a;").remove(0);
+        assert_eq!(((line, column, message), hint.is_some()), (expected, true));
+    }
+
+    #[test]
+    fn a_comment_or_a_key_does_not_read_an_argument() {
+        let read = |text: &str| {
+            let engine = engine(Limits::POST);
+            let mut scope = Scope::new();
+            scope.push_constant("args", Map::new());
+            Script::compile(&engine, &scope, Path::new("s.rhai"), text).unwrap().mentions_argument("mu")
+        };
+        for text in ["args.mu", "\"mu\" in args", "args[\"mu\"]", "args.keys()", "let f = |x| args.mu * x;"] {
+            assert!(read(text), "{text}");
+        }
+        for text in ["// mu", "let m = #{ mu: 1 };", "let mu = 1;", "\"of mu\""] {
+            assert!(!read(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Values of scripts: their conversion, options of functions, arguments, and the order of lists.
+
+use std::cmp::Ordering;
+use std::ops::RangeInclusive;
+
+use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
+use serde_json::{Number, Value};
+
+use super::{HostResult, refuse, refuse_key};
+use base::diagnostic::closest;
+use base::finding::Finding;
+use base::removed;
+use base::units::Dimension;
+
+/// Deepest nesting of lists and maps that is converted.
+const DEEPEST: usize = 8;
+
+/// The number in `value`, an integer or a float; `what` names it in the error.
+///
+/// # Errors
+/// It is neither an integer nor a float.
+pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
+    if let Ok(float) = value.as_float() {
+        return Ok(float);
+    }
+    let integer = value.as_int();
+    integer.map(|i| i as f64).map_err(|found| refuse(format!("expected a number for {what}, found {found}")))
+}
+
+/// A window of time `[from, to]` in s.
+///
+/// # Errors
+/// It is not a list of two numbers.
+pub fn window(value: &Dynamic) -> HostResult<[f64; 2]> {
+    let bounds = value.read_lock::<Array>();
+    let bounds = bounds.as_deref().map(Vec::as_slice);
+    let Some([from, to]) = bounds else {
+        return Err(refuse(format!("expected a window [from, to], found {}", value.type_name())));
+    };
+    Ok([number(from, "the window's start")?, number(to, "the window's end")?])
+}
+
+/// The value as JSON; numbers that are not finite become null.
+///
+/// # Errors
+/// It is a value of the host, such as a signal, or nested too deeply.
+pub fn to_json(value: &Dynamic) -> HostResult<Value> {
+    nested_to_json(value, DEEPEST)
+}
+
+fn nested_to_json(value: &Dynamic, depth: usize) -> HostResult<Value> {
+    let Some(depth) = depth.checked_sub(1) else {
+        return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
+    };
+    if let Some(items) = value.read_lock::<Array>() {
+        let items = items.iter().map(|item| nested_to_json(item, depth));
+        return items.collect::<Result<Vec<_>, _>>().map(Value::Array);
+    }
+    if let Some(map) = value.read_lock::<Map>() {
+        let pairs = map.iter().map(|(key, item)| Ok((key.to_string(), nested_to_json(item, depth)?)));
+        return pairs.collect::<Result<_, _>>().map(Value::Object);
+    }
+    plain_to_json(value)
+}
+
+fn plain_to_json(value: &Dynamic) -> HostResult<Value> {
+    if value.is_unit() {
+        return Ok(Value::Null);
+    }
+    if let Ok(flag) = value.as_bool() {
+        return Ok(Value::Bool(flag));
+    }
+    if let Ok(integer) = value.as_int() {
+        return Ok(Value::from(integer));
+    }
+    if let Ok(float) = value.as_float() {
+        return Ok(Number::from_f64(float).map_or(Value::Null, Value::Number));
+    }
+    if value.is_string() || value.is_char() {
+        return Ok(Value::String(value.to_string()));
+    }
+    Err(refuse(format!("a {} is not a figure: reduce it to a number, such as its max()", value.type_name())))
+}
+
+/// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
+/// among them.
+pub fn findings_map(findings: &[Finding]) -> Map {
+    let warnings = findings.iter().filter(|found| found.is_warning()).map(|found| found.message.clone().into());
+    let all = findings.iter().map(|found| serde_json::to_value(found).map_or(Dynamic::UNIT, |json| from_json(&json)));
+    Map::from([
+        ("warnings".into(), warnings.collect::<Array>().into()),
+        ("findings".into(), all.collect::<Array>().into()),
+    ])
+}
+
+/// The script value of JSON; null becomes `()`.
+pub fn from_json(value: &Value) -> Dynamic {
+    match value {
+        Value::Null => Dynamic::UNIT,
+        Value::Bool(flag) => (*flag).into(),
+        Value::Number(number) => match number.as_i64() {
+            Some(integer) => integer.into(),
+            None => number.as_f64().unwrap_or(f64::NAN).into(),
+        },
+        Value::String(text) => text.clone().into(),
+        Value::Array(items) => items.iter().map(from_json).collect::<Array>().into(),
+        Value::Object(pairs) => {
+            let pairs = pairs.iter().map(|(key, item)| (key.as_str().into(), from_json(item)));
+            pairs.collect::<Map>().into()
+        }
+    }
+}
+
+/// The options of a host function: a map from a script.
+pub struct Options<'a> {
+    /// The function, as its messages name it.
+    pub of: &'static str,
+    /// The options by name.
+    pub map: &'a Map,
+}
+
+impl Options<'_> {
+    /// Refuses names other than the `known` ones, at their place.
+    pub fn check(&self, known: &[&str]) -> HostResult<()> {
+        let Some(key) = self.map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
+        let message = format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
+        let meant = || closest(key, known.iter().copied()).map(|name| format!("did you mean `{name}`?"));
+        Err(refuse_key(key, &message, removed::function(&format!("{}.{key}", self.of)).or_else(meant)))
+    }
+
+    /// The option `name`.
+    ///
+    /// # Errors
+    /// It is missing.
+    pub fn value(&self, name: &str) -> HostResult<&Dynamic> {
+        self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))
+    }
+
+    /// The number `name`.
+    ///
+    /// # Errors
+    /// It is missing or not a number.
+    pub fn needed_number(&self, name: &str) -> HostResult<f64> {
+        number(self.value(name)?, name)
+    }
+
+    /// The number `name`, or else `otherwise`.
+    pub fn number(&self, name: &str, otherwise: f64) -> HostResult<f64> {
+        self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
+    }
+
+    /// The whole number `name` within a range, or else `otherwise`.
+    ///
+    /// # Errors
+    /// It is no whole number or lies outside of the range.
+    pub fn whole(&self, name: &str, otherwise: usize, range: RangeInclusive<usize>) -> HostResult<usize> {
+        let Some(value) = self.map.get(name) else { return Ok(otherwise) };
+        let found = value.as_int().ok().and_then(|found| usize::try_from(found).ok());
+        found.filter(|found| range.contains(found)).ok_or_else(|| {
+            let [low, high] = [range.start(), range.end()];
+            refuse_key(name, &format!("`{name}` must be a whole number from {low} to {high}, not {value}"), None)
+        })
+    }
+
+    /// The quantity `name`: a number in the SI unit, or a text with its unit.
+    pub fn quantity(&self, name: &str, dimension: Dimension) -> HostResult<f64> {
+        let value = self.value(name)?;
+        match value.read_lock::<ImmutableString>() {
+            Some(text) => dimension.parse(&text).map_err(|error| refuse(format!("{name}: {error}"))),
+            None => number(value, name),
+        }
+    }
+
+    /// The boolean `name`, or else `otherwise`.
+    pub fn boolean(&self, name: &str, otherwise: bool) -> HostResult<bool> {
+        let boolean = |value: &Dynamic| value.as_bool();
+        let value = self.map.get(name).map_or(Ok(otherwise), boolean);
+        value.map_err(|found| refuse(format!("{name} is true or false, not {found}")))
+    }
+}
+
+/// The arguments of a script on the command line, which it reads as `args`.
+#[derive(Clone, Debug, Default)]
+pub struct Arguments(Map);
+
+impl Arguments {
+    /// The arguments by name.
+    pub fn new(values: Map) -> Arguments {
+        Arguments(values)
+    }
+
+    /// Offers the type of `args` to scripts: `args.name`, `"name" in args`, `args.keys()`.
+    pub fn register(engine: &mut Engine) {
+        engine
+            .register_type_with_name::<Arguments>("arguments")
+            .register_indexer_get(Arguments::get)
+            .register_fn("number", Arguments::number)
+            .register_fn("numbers", Arguments::numbers)
+            .register_fn("text", Arguments::text)
+            .register_fn("contains", |args: &mut Arguments, name: &str| args.0.contains_key(name))
+            .register_fn("keys", |args: &mut Arguments| {
+                args.0.keys().map(|name| name.as_str().into()).collect::<Array>()
+            });
+    }
+
+    /// The number `name`, or else `otherwise`.
+    fn number(&mut self, name: &str, otherwise: Dynamic) -> HostResult<Dynamic> {
+        match self.0.get(name) {
+            None => Ok(otherwise),
+            Some(value) if value.is_int() || value.is_float() => Ok(value.clone()),
+            Some(value) => Err(refuse(format!("--arg {name}: expected a number, found `{value}`{}", comma(value)))),
+        }
+    }
+
+    /// The numbers `name`, as many as `otherwise` has, which these are where the argument is not given.
+    fn numbers(&mut self, name: &str, otherwise: Array) -> HostResult<Array> {
+        let Some(value) = self.0.get(name) else { return Ok(otherwise) };
+        let text = value.to_string();
+        let numbers: Option<Array> =
+            text.split(',').map(|number| number.trim().parse::<f64>().ok().map(Dynamic::from)).collect();
+        let count = otherwise.len();
+        numbers.filter(|numbers| numbers.len() == count).ok_or_else(|| {
+            let example = otherwise.iter().map(Dynamic::to_string).collect::<Vec<_>>().join(", ");
+            refuse(format!("--arg {name}: expected {count} numbers, such as {example}, found `{text}`"))
+        })
+    }
+
+    /// The text `name`, or else `otherwise`.
+    fn text(&mut self, name: &str, otherwise: &str) -> ImmutableString {
+        self.0.get(name).map_or_else(|| otherwise.into(), |value| value.to_string().into())
+    }
+
+    fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
+        let how = if name == "scenario" { "--scenario FILE".into() } else { format!("--arg {name}=…") };
+        self.0.get(name.as_str()).cloned().ok_or_else(|| refuse(format!("the script needs `{name}`: give {how}")))
+    }
+}
+
+/// A hint where the value is a number with a decimal comma.
+fn comma(value: &Dynamic) -> &'static str {
+    let text = value.to_string();
+    let is_decimal = text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok();
+    if is_decimal { " (write a decimal point)" } else { "" }
+}
+
+/// Replaces the interpreter's `sort` and `sort_desc` of the list itself.
+pub(super) fn register_sort(engine: &mut Engine) {
+    engine
+        .register_fn("sort", |list: &mut Array| sort(list, |order| order))
+        .register_fn("sort_desc", |list: &mut Array| sort(list, Ordering::reverse));
+}
+
+fn sort(list: &mut Array, direction: fn(Ordering) -> Ordering) -> HostResult<()> {
+    if let Some(whole) = keys(list, |item| item.as_int().ok()) {
+        return reorder(list, &whole, |a, b| direction(a.cmp(b)));
+    }
+    if let Some(numbers) = keys(list, |item| item.as_float().or_else(|_| item.as_int().map(|whole| whole as f64)).ok())
+    {
+        if numbers.iter().any(|number| number.is_nan()) {
+            return Err(refuse("a list with NaN has no order"));
+        }
+        return reorder(list, &numbers, |a, b| direction(a.total_cmp(b)));
+    }
+    if let Some(texts) = keys(list, |item| item.clone().into_immutable_string().ok()) {
+        return reorder(list, &texts, |a, b| direction(a.cmp(b)));
+    }
+    if let Some(letters) = keys(list, |item| item.as_char().ok()) {
+        return reorder(list, &letters, |a, b| direction(a.cmp(b)));
+    }
+    if let Some(flags) = keys(list, |item| item.as_bool().ok()) {
+        return reorder(list, &flags, |a, b| direction(a.cmp(b)));
+    }
+    Err(refuse("a list is sorted where all of it are numbers, texts or Booleans; give `sort` a function for others"))
+}
+
+fn keys<K>(list: &Array, key: impl Fn(&Dynamic) -> Option<K>) -> Option<Vec<K>> {
+    list.iter().map(key).collect()
+}
+
+fn reorder<K>(list: &mut Array, keys: &[K], order: impl Fn(&K, &K) -> Ordering) -> HostResult<()> {
+    let mut places: Vec<usize> = (0..keys.len()).collect();
+    places.sort_by(|a, b| order(&keys[*a], &keys[*b]));
+    *list = places.into_iter().map(|place| std::mem::take(&mut list[place])).collect();
+    Ok(())
+}
