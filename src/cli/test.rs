@@ -385,7 +385,7 @@ mod tests {
         let expected = r#"<testsuite name="droptower" tests="2" failures="1" time="0.500">
   <testcase name="a" classname="droptower" time="0.250"/>
   <testcase name="b &quot;&lt;" classname="droptower" time="0.250">
-<failure message="the run failed: a &lt; b &amp; &quot;c&quot;">the run failed: a &lt; b &amp; &quot;c&quot;
+    <failure message="the run failed: a &lt; b &amp; &quot;c&quot;">the run failed: a &lt; b &amp; &quot;c&quot;
 the finding coarse-contact did not come</failure>
   </testcase>
 </testsuite>

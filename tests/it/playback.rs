@@ -135,11 +135,11 @@ fn signals_are_those_of_the_table(played: &Playback, table: &Recording) {
     }
 }
 
-/// Of the 3.8 MB of the default run, a half are the positions of 882 nodes in 240 snapshots, 0.6 MB its four colours,
-/// 0.5 MB the nodes in contact, 0.2 MB normals, and 0.6 MB the signals and texts.
+/// Of the 4.1 MB of the default run, 1.9 MB are the positions of 882 nodes in 240 snapshots, 0.6 MB its four colours,
+/// 0.5 MB the nodes in contact, 0.2 MB normals, 0.6 MB the signals and texts, and 0.3 MB the index of chunks.
 #[test]
-fn the_default_run_stays_within_four_megabytes() {
+fn the_default_run_stays_small() {
     let (_folder, out) = run("scenarios/drop/1008.toml", &[]);
     let bytes = fs::metadata(out.join("recording.rrd")).expect("a recording").len();
-    assert!(bytes <= 4_000_000, "{bytes} bytes");
+    assert!(bytes <= 4_200_000, "{bytes} bytes");
 }
