@@ -1,6 +1,6 @@
 //! Outlines in DXF.
 //!
-//! Readers: src/scene/mesh/import/dxf.rs
+//! Readers: src/scene/mesh/import/drawing.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

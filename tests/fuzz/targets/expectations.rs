@@ -1,6 +1,6 @@
 //! What a run must give: the expectations, and the recorded figures and signals of an earlier run.
 //!
-//! Readers: src/scene/expectation src/scene/scenario/expectations.rs
+//! Readers: src/scene/expectation src/scene/scenario/output.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,6 +1,6 @@
 //! Materials: their laws and curves as they are checked.
 //!
-//! Readers: src/scene/scenario/material.rs src/scene/scenario/plastic.rs src/scene/scenario/hyperelastic.rs src/scene/scenario/viscous.rs src/scene/scenario/rupture.rs src/scene/scenario/thermal.rs
+//! Readers: src/scene/scenario/material.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,6 +1,6 @@
 //! Pages that are read back: plots, and the film as a scene.
 //!
-//! Readers: src/report/stored.rs src/report/film
+//! Readers: src/report/stored.rs src/report/film.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

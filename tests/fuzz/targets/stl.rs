@@ -1,6 +1,6 @@
 //! Meshes in STL.
 //!
-//! Readers: src/scene/mesh/import/stl.rs
+//! Readers: src/scene/mesh/import/mod.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -18,7 +18,7 @@ fuzz_target!(|input: &[u8]| {
         let document = Document::read(&folder.join("scenario.toml")).expect("a scenario");
         match model::variation(&document) {
             Ok(Some(variation)) => {
-                let points = variation.points(None).map_err(|error| (error.to_string(), error.hint()));
+                let points = variation.points(None).map_err(|mistake| show(&[mistake]));
                 drop(points.map(|points| variation.assignments(&variation.point(&points, 0))));
             }
             Ok(None) => {}
