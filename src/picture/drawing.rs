@@ -1,4 +1,4 @@
-//! A picture that is drawn: an SVG, the pixels of a scene within it, and both as PNG with the letters of this program.
+//! A picture that is drawn: an SVG, the pixels of a scene within it, and both as PNG with this program's typeface.
 
 use std::sync::{Arc, LazyLock};
 

@@ -296,7 +296,7 @@ fn names(all: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) {
     }
 }
 
-/// Most letters of a name.
+/// Longest name, characters.
 const LONGEST: usize = 32;
 
 fn is_identifier(name: &str) -> bool {
