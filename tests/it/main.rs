@@ -15,7 +15,6 @@ mod law_fits;
 mod decks;
 mod documents;
 mod drop_pages;
-mod drop_recordings;
 mod examples;
 mod field;
 mod files;

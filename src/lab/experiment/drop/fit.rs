@@ -13,7 +13,7 @@ use crate::experiment::absorption::Body;
 use base::cancellation::stop_if_cancelled;
 
 /// Steps of the differences by which residuals are differentiated, of each unknown.
-const STEPS: Unknowns = [1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-3, 1e-3, 1e-5, 1e-4, 1e-4, 1e-4, 1e-6];
+const STEPS: Unknowns = [1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-3, 1e-3, 1e-6, 1e-4, 1e-4, 1e-4, 1e-6];
 /// Most steps of the search, and the change of the sum of squares that ends it.
 const MOST_STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
@@ -174,12 +174,12 @@ const MAY_BE_ZERO: f64 = 1.96;
 /// Shortest step over which an impact is integrated for a draw, s.
 const IMPACT_STEP: f64 = 5e-5;
 
-/// Unknowns that each input stands for.
+/// Unknowns that each input stands for; the height follows from others.
 const INPUTS: [(Input, &[usize]); 7] = [
     (Input::Offset, &[of::OFFSET, of::DRIFT]),
     (Input::Coupling, &[of::INVERSE]),
     (Input::Friction, &[of::FRICTION, of::OF_SPEED, of::GOES_ON]),
-    (Input::Height, &[of::HEIGHT]),
+    (Input::Height, &[]),
     (Input::Release, &[of::RELEASE, of::DURATION]),
     (Input::Onset, &[of::LEVEL, of::EXPONENT, of::BEND]),
     (Input::Laser, &[of::LASER]),
@@ -222,10 +222,13 @@ pub(super) fn intervals(
     let is_given = model.known.inverse.is_some();
     let travels: Vec<f64> = all.iter().map(|(_, of)| of.travel).collect();
     let of_unknown = |place: usize| all.iter().map(|(draw, _)| draw[place]).collect::<Vec<f64>>();
-    let share = |places: &[usize]| {
-        places.iter().map(|place| correlation(&of_unknown(*place), &travels).powi(2)).fold(0.0, f64::max)
+    let share = |values: Vec<f64>| correlation(&values, &travels).powi(2);
+    let of_height = share(all.iter().map(|(draw, _)| model.height(draw)).collect());
+    let share = |(input, places): &(Input, &[usize])| {
+        let least = if *input == Input::Height { of_height } else { 0.0 };
+        (*input, places.iter().map(|place| share(of_unknown(*place))).fold(least, f64::max))
     };
-    let widest = INPUTS.iter().map(|(input, places)| (*input, share(places))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let widest = INPUTS.iter().map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let mass = body.mass;
     let [times, speeds] = [|of: &Impact| of.contact, |of: &Impact| of.speed]
         .map(|value| all.iter().map(|(_, of)| value(of)).collect::<Vec<f64>>());
@@ -346,4 +349,34 @@ impl Impact {
             ..self
         }
     }
+}
+
+/// The least standard deviations that contact (s), speed (m/s), travel (m) and absorption can have by this model (Cramér–Rao
+/// bound, with what is known beforehand as information: Van Trees 1968), the noise after contact included.
+#[cfg(test)]
+pub(super) fn least_deviations(recorded: &Recorded, model: &Model<'_>, fit: &Fit, body: Body) -> Option<[f64; 4]> {
+    let bounds = model.bounds();
+    let free: Vec<usize> = (0..COUNT).filter(|i| bounds[*i][0] < bounds[*i][1]).collect();
+    let information = DMatrix::from_fn(free.len(), free.len(), |a, b| fit.normal[(free[a], free[b])]);
+    let least = information.cholesky()?.inverse();
+    let figures = |own: &Impact| [own.contact, own.speed, own.travel, own.absorption];
+    let slope = |i: &usize| {
+        let moved = |by: f64| {
+            let mut u = fit.best;
+            u[*i] = (u[*i] + by).clamp(bounds[*i][0], bounds[*i][1]);
+            Some((u[*i], figures(&Impact::of(recorded, model, &u, body)?)))
+        };
+        let ((to, above), (from, below)) = (moved(STEPS[*i])?, moved(-STEPS[*i])?);
+        Some([0, 1, 2, 3].map(|k| (above[k] - below[k]) / (to - from)))
+    };
+    let slopes: Vec<[f64; 4]> = free.iter().map(slope).collect::<Option<_>>()?;
+    let best = Impact::of(recorded, model, &fit.best, body)?;
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let noisy: Vec<[f64; 4]> =
+        (0..DRAWS).map(|_| figures(&best.with_noise(recorded.noise, recorded, &mut random))).collect();
+    Some([0, 1, 2, 3].map(|k| {
+        let slope = DVector::from_iterator(free.len(), slopes.iter().map(|own| own[k]));
+        let noisy: Vec<f64> = noisy.iter().map(|own| own[k]).collect();
+        ((slope.transpose() * &least * &slope)[0] + covariance(&noisy, &noisy)).sqrt()
+    }))
 }

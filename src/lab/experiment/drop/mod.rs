@@ -6,6 +6,8 @@ mod impact;
 mod model;
 mod reading;
 mod recording;
+#[cfg(test)]
+mod recordings_tests;
 mod reduce;
 mod release;
 mod result;

@@ -25,8 +25,9 @@ pub(super) mod of {
     pub const FRICTION: usize = 5;
     pub const OF_SPEED: usize = 6;
     pub const GOES_ON: usize = 7;
-    /// Height of fall, m.
-    pub const HEIGHT: usize = 8;
+    /// First contact, s. It is an unknown rather than the height: along a height that is known, friction moves it with the
+    /// square, too, so that draws from a normal density would scatter it more than the onset allows.
+    pub const CONTACT: usize = 8;
     /// Force over the mass at the end of the onset, ln (m/s²); its exponent, and its bend.
     pub const LEVEL: usize = 9;
     pub const EXPONENT: usize = 10;
@@ -108,20 +109,6 @@ impl Fall {
         let v = speed + start * free * once;
         [net - per_speed * v, v, fallen + speed * free + start * free * free * twice]
     }
-
-    /// Time from the release until `height` (m) is fallen, s.
-    fn time_to(&self, height: f64) -> f64 {
-        let mut t = (2.0 * height / self.net).sqrt() + self.duration / 3.0;
-        for _ in 0..20 {
-            let [_, speed, fallen] = self.at(t);
-            let step = (height - fallen) / speed;
-            t += step;
-            if step.abs() < 1e-13 {
-                break;
-            }
-        }
-        t
-    }
 }
 
 /// (1 − e⁻ˣ)/x and (x − 1 + e⁻ˣ)/x², the integrals of a decay.
@@ -144,16 +131,20 @@ impl Model<'_> {
 
     /// Time of first contact on the recording's clock (s) and speed (m/s, downward).
     pub(super) fn contact(&self, u: &Unknowns) -> [f64; 2] {
-        let fall = self.fall(u);
-        let time = fall.time_to(u[of::HEIGHT]);
-        [u[of::RELEASE] + time, fall.at(time)[1]]
+        let [_, speed, _] = self.fall(u).at(u[of::CONTACT] - u[of::RELEASE]);
+        [u[of::CONTACT], speed]
+    }
+
+    /// Height of fall, m.
+    pub(super) fn height(&self, u: &Unknowns) -> f64 {
+        self.fall(u).at(u[of::CONTACT] - u[of::RELEASE])[2]
     }
 
     /// The largest residual of height, speed and time of contact as they are known, in standard deviations.
     pub(super) fn pull(&self, u: &Unknowns) -> f64 {
         let Known { height, speed, contact_time, .. } = self.known;
         let [contact, reached] = self.contact(u);
-        let pairs = [(height, u[of::HEIGHT]), (speed, reached), (contact_time, contact)];
+        let pairs = [(height, self.height(u)), (speed, reached), (contact_time, contact)];
         let pull = |(known, value): (&Option<[f64; 2]>, f64)| known.map_or(0.0, |[mean, error]| (value - mean) / error);
         pairs.into_iter().map(pull).fold(0.0, |most, pull| most.max(pull.abs()))
     }
@@ -233,8 +224,9 @@ impl Model<'_> {
             let read = coupled + u[of::OFFSET] + u[of::DRIFT] * (time - self.start());
             rows.push(robust((reading - read) / deviation));
         }
+        let height = self.height(u);
         let place = |time: f64| match time <= contact {
-            true => Some(u[of::HEIGHT] - fall.at(time - u[of::RELEASE])[2]),
+            true => Some(height - fall.at(time - u[of::RELEASE])[2]),
             false => {
                 let next = places.partition_point(|[t, _]| *t < time);
                 let ([t0, z0], [t1, z1]) = (places.get(next.checked_sub(1)?)?, places.get(next)?);
@@ -271,7 +263,7 @@ impl Model<'_> {
             (u[of::LEVEL] - self.force.ln()) / LEVEL,
             u[of::LASER] / LASER,
         ];
-        rows.extend(height.map(|height| by(&height, u[of::HEIGHT])));
+        rows.extend(height.map(|height| by(&height, self.height(u))));
         rows.extend(known_speed.map(|known| by(&known, speed)));
         rows.extend(contact_time.map(|known| by(&known, contact)));
         rows
@@ -291,7 +283,7 @@ impl Model<'_> {
         bounds[of::OF_SPEED] = [0.0, 1.0];
         bounds[of::GOES_ON] = [0.0, 2.0];
         bounds[of::EXPONENT] = [0.3, 6.0];
-        bounds[of::HEIGHT] = [1e-3, 100.0];
+        bounds[of::CONTACT] = [self.start(), self.samples.last().map_or(f64::INFINITY, |sample| sample.time)];
         bounds
     }
 }

@@ -169,7 +169,7 @@ impl Recorded {
         guess[of::RELEASE] = self.contact - lasts;
         guess[of::DURATION] = duration;
         guess[of::FRICTION] = friction;
-        guess[of::HEIGHT] = height;
+        guess[of::CONTACT] = self.contact;
         guess[of::LEVEL] = (ONSET * self.rise).ln();
         guess
     }

@@ -57,26 +57,8 @@ pub fn reduce(
         ));
     }
     let (class, of_rate) = class(reduction.class, step)?;
-    let recorded = Recorded::find(&reading, laser, tower.body.gravity)?;
-    let known = Known::new(tower, reduction, step);
-    let Explained { known, recorded, fit, disagreement } = explain(recorded, known, tower, laser.is_some())?;
-    let model = recorded.model(&known, tower.body.gravity);
-    let [contact, _] = model.contact(&fit.best);
-    let released = fit.best[of::RELEASE] + fit.best[of::DURATION];
-    if let Some(time) = model.leaves(&fit.best, [released, contact], FALL_BIN, [OFF_FALL, 0.0]) {
-        let before = significant(1e3 * (contact - time), 3);
-        return Err(refusal!(
-            "acceleration: the reading leaves the fall at {time:.4} s, {before} ms before the contact at {contact:.4} s that \
-             the rest of it shows: the impactor touched something there, or height, time constant, mass or column are others"
-        ));
-    }
-    if let Some(time) = model.leaves(&fit.best, [contact, recorded.onset_end], ONSET_BIN, [OFF_FALL, OFF_ONSET]) {
-        return Err(refusal!(
-            "acceleration: from the contact at {contact:.4} s on no force that grows with the travel explains the reading at \
-             {time:.4} s: the impactor met something else first, or twice, or height, time constant, mass or column are others"
-        ));
-    }
-    finish(&recorded, &model, &fit, tower, reduction, class, [of_rate, disagreement])
+    let explained = Explained::find(&reading, step, laser, tower, reduction)?;
+    finish(&explained, tower, reduction, class, of_rate)
 }
 
 fn check(tower: &Tower, reduction: &Reduction) -> Result<(), Error> {
@@ -128,11 +110,46 @@ fn class(class: Class, step: f64) -> Result<(Option<f64>, Option<Warning>), Erro
 }
 
 /// A recording with the fit that explains it, and what was left out for that.
-struct Explained {
-    known: Known,
-    recorded: Recorded,
-    fit: Fit,
+pub(super) struct Explained {
+    pub known: Known,
+    pub recorded: Recorded,
+    pub fit: Fit,
     disagreement: Option<Warning>,
+}
+
+impl Explained {
+    /// The fit of a `reading` with samples `step` (s) apart.
+    pub(super) fn find(
+        reading: &Series,
+        step: f64,
+        laser: Option<&Series>,
+        tower: &Tower,
+        reduction: &Reduction,
+    ) -> Result<Explained, Error> {
+        let recorded = Recorded::find(reading, laser, tower.body.gravity)?;
+        let known = Known::new(tower, reduction, step);
+        let explained = explain(recorded, known, tower, laser.is_some())?;
+        let Explained { known, recorded, fit, .. } = &explained;
+        let model = recorded.model(known, tower.body.gravity);
+        let [contact, _] = model.contact(&fit.best);
+        let released = fit.best[of::RELEASE] + fit.best[of::DURATION];
+        if let Some(time) = model.leaves(&fit.best, [released, contact], FALL_BIN, [OFF_FALL, 0.0]) {
+            let before = significant(1e3 * (contact - time), 3);
+            return Err(refusal!(
+                "acceleration: the reading leaves the fall at {time:.4} s, {before} ms before the contact at {contact:.4} s \
+                 that the rest of it shows: the impactor touched something there, or height, time constant, mass or column \
+                 are others"
+            ));
+        }
+        if let Some(time) = model.leaves(&fit.best, [contact, recorded.onset_end], ONSET_BIN, [OFF_FALL, OFF_ONSET]) {
+            return Err(refusal!(
+                "acceleration: from the contact at {contact:.4} s on no force that grows with the travel explains the reading \
+                 at {time:.4} s: the impactor met something else first, or twice, or height, time constant, mass or column \
+                 are others"
+            ));
+        }
+        Ok(explained)
+    }
 }
 
 /// Fits the recording with all that is known; where that contradicts it, without the height or the laser if both are
@@ -179,7 +196,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
     }
     let deviations = deviations(&model, &free);
     let stated = [
-        known.height.map(|[stated, by]| ("height", "m", free.best[of::HEIGHT], deviations[0].hypot(by), stated)),
+        known.height.map(|[stated, by]| ("height", "m", model.height(&free.best), deviations[0].hypot(by), stated)),
         known.speed.map(|[stated, by]| ("impact speed", "m/s", speed, deviations[1].hypot(by), stated)),
         known.contact_time.map(|[stated, by]| ("time of contact", "s", contact, deviations[2].hypot(by), stated)),
     ];
@@ -218,7 +235,7 @@ fn deviations(model: &Model<'_>, fit: &Fit) -> [f64; 3] {
         (draws.iter().map(|draw| (value(draw) - mean).powi(2)).sum::<f64>() / count).sqrt()
     };
     [
-        deviation(&|draw| draw[of::HEIGHT]),
+        deviation(&|draw| model.height(draw)),
         deviation(&|draw| model.contact(draw)[1]),
         deviation(&|draw| model.contact(draw)[0]),
     ]
@@ -226,15 +243,15 @@ fn deviations(model: &Model<'_>, fit: &Fit) -> [f64; 3] {
 
 /// The drop of a recording that is explained: signals from contact on, what follows from them, and every doubt, in one place
 /// since most figures are withheld by one rule, that of an accelerometer at the end of its range.
-fn finish(
-    recorded: &Recorded,
-    model: &Model<'_>,
-    fit: &Fit,
+pub(super) fn finish(
+    explained: &Explained,
     tower: &Tower,
     reduction: &Reduction,
     class: Option<f64>,
-    reports: [Option<Warning>; 2],
+    of_rate: Option<Warning>,
 ) -> Result<Drop, Error> {
+    let Explained { known, recorded, fit, disagreement } = explained;
+    let model = &recorded.model(known, tower.body.gravity);
     let Tower { body, .. } = *tower;
     let best = &fit.best;
     let [time, speed] = model.contact(best);
@@ -305,7 +322,7 @@ fn finish(
         recorded.held_laser(),
         clipping.map(|clipping| saturated(&clipping, &signals)),
     ];
-    let warnings = reports.into_iter().chain(warnings).flatten().chain(doubts).collect();
+    let warnings = [of_rate, disagreement.clone()].into_iter().chain(warnings).flatten().chain(doubts).collect();
     Ok(Drop {
         release: recorded.release,
         contact,
