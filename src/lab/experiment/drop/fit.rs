@@ -18,8 +18,10 @@ const STEPS: Unknowns = [1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-3, 1e-3, 1e-6, 1
 const MOST_STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
 /// Exponents of the force, shares of the friction that go on after contact and that grow with the speed to start from.
-const STARTS: [[f64; 3]; 5] =
-    [[1.0, 0.95, 0.02], [1.8, 0.95, 0.02], [3.0, 0.95, 0.02], [1.8, 0.05, 0.02], [1.8, 0.95, 0.4]];
+const STARTS: [[f64; 3]; 2] = [[1.0, 0.95, 0.02], [1.8, 0.95, 0.4]];
+/// Times over which the step at contact is smeared in turn before it is that of a sample, s: where friction ends there, each
+/// sample that it passes is a valley of its own.
+const SMEARS: [f64; 2] = [4e-3, 1e-3];
 /// Draws, and the most that are tried for them.
 const DRAWS: usize = 400;
 const MOST_TRIED: usize = 200_000;
@@ -44,12 +46,13 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// The best of searches from several exponents of the force, near `start`.
+    /// The best of searches from each of [`STARTS`], near `start`.
     pub(super) fn find(model: &Model<'_>, start: &Unknowns) -> Option<Fit> {
         let from = |[exponent, goes_on, of_speed]: [f64; 3]| {
             let mut start = *start;
             (start[of::EXPONENT], start[of::GOES_ON], start[of::OF_SPEED]) = (exponent, goes_on, of_speed);
-            Fit::descend(model, start)
+            let smeared = |start, smear| Fit::descend(&Model { smear, ..model.clone() }, start).best;
+            Fit::descend(model, SMEARS.into_iter().fold(start, smeared))
         };
         STARTS.into_iter().map(from).filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))
     }

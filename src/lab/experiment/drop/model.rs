@@ -65,6 +65,7 @@ pub(super) struct Sample {
 }
 
 /// A recording until the end of the onset, with what is known of its tower.
+#[derive(Clone)]
 pub(super) struct Model<'a> {
     pub samples: Vec<Sample>,
     /// Time (s) and place over the film (m).
@@ -82,6 +83,8 @@ pub(super) struct Model<'a> {
     pub force: f64,
     /// Time between two samples, s.
     pub step: f64,
+    /// Time over which the step of the acceleration at contact is smeared, s: that of a sample in the end.
+    pub smear: f64,
 }
 
 /// The fall from the release on (equations 48 and 49).
@@ -210,7 +213,7 @@ impl Model<'_> {
                 places.push([*time, -state[1]]);
             }
             // Friction that ends is a step at contact, which a sample sees as its mean, so that it moves smoothly.
-            let after = ((time - contact) / self.step + 0.5).clamp(0.0, 1.0);
+            let after = ((time - contact) / self.smear + 0.5).clamp(0.0, 1.0);
             let down = (1.0 - after) * fall.at((time - u[of::RELEASE]).min(contact - u[of::RELEASE]))[0]
                 + after * pressed(state[1]);
             coupled = match before {

@@ -129,6 +129,7 @@ impl Recorded {
             reach: speed * (self.onset_end - self.contact),
             force: ONSET * self.rise,
             step: self.step(),
+            smear: self.step(),
         }
     }
 
