@@ -256,7 +256,7 @@ fn a_folder_of_recordings_gives_one_table_one_page_and_the_scatter() {
     let shown = drop(&call[..1]);
     let shown = String::from_utf8_lossy(&shown.stdout).into_owned();
     let line = |start: &str| shown.lines().find(|line| line.trim_start().starts_with(start)).expect(start).to_owned();
-    assert!(line("1008.csv").contains("4.158") && line("1008.csv").contains("virtual-recording"), "{shown}");
+    assert!(line("1008.csv").contains("4.159") && line("1008.csv").contains("virtual-recording"), "{shown}");
     assert!(line("cut.csv").contains("there is no contact"), "{shown}");
     assert!(line("10.72 kg from 1.5 m, 2 drops").contains("median"), "{shown}");
     assert!(shown.contains("warning[virtual-recording]: 6 of 6: "), "{shown}");
