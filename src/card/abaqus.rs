@@ -3,10 +3,10 @@
 //! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first (from memory).
 
 use super::film::{
-    FabricCurves, Film, Refusal, Request, along_md, bulk_modulus, flow_curves, lost_hill, shear_modulus,
+    FabricCurves, Film, Refusal, Request, along_md, bulk_modulus, energy, flow_curves, lost_hill, shear_modulus,
 };
+use super::layout::in_twenty;
 use super::loss::Loss;
-use super::number::in_twenty;
 use super::target::Target;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
 
@@ -56,9 +56,9 @@ fn elastic(law: &Elastic, request: &Request) -> String {
 
 fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     if request.target == Target::CalculiX {
-        return Err(Refusal::NoLaw { target: request.target.name(), law: "fabric" });
+        return Err(request.no_law("fabric"));
     }
-    let curves = FabricCurves::of(&film.material.law, request, false, losses)?.expect("a fabric");
+    let curves = FabricCurves::of(&film.material.law, request, false, losses)?;
     losses.push(Loss::FromMemory { what: "the stress stands before the strain in *LOADING DATA" });
     losses.extend(film.lost_beside_the_law());
     losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
@@ -81,7 +81,6 @@ fn rubber(
     request: &Request,
     losses: &mut Vec<Loss>,
 ) -> Result<String, Refusal> {
-    let target = request.target.name();
     let viscosity = film.material.viscosity.as_ref();
     // CalculiX has no relaxation: its film is the one of the law as it is written.
     let has_relaxation = request.target == Target::Abaqus;
@@ -101,17 +100,12 @@ fn rubber(
                 (false, true) => {
                     keyword(&format!("HYPERELASTIC, MOONEY-RIVLIN{moduli}"), [vec![c10, second / stress, d]])
                 }
-                (false, false) => {
-                    return Err(Refusal::NoLaw { target, law: "Yeoh's energy with a term in I2" });
-                }
+                (false, false) => return Err(request.no_law("Yeoh's energy with a term in I2")),
             }
         }
         HyperelasticLaw::Ogden(film) => {
             let terms = film.energy.terms();
-            let most = if has_relaxation { 6 } else { 3 };
-            if terms.len() > most {
-                return Err(Refusal::TooManyTerms { target, terms: terms.len(), most });
-            }
+            request.at_most(if has_relaxation { 6 } else { 3 }, terms.len())?;
             // W = Σ 2μ/α² (…) there.
             let row = terms.iter().flat_map(|term| [0.5 * term.mu * term.alpha / stress, term.alpha]);
             let mut row: Vec<f64> = row.collect();
@@ -119,12 +113,7 @@ fn rubber(
             row.resize(3 * terms.len(), 0.0);
             keyword(&format!("HYPERELASTIC, OGDEN, N={}{moduli}", terms.len()), [row])
         }
-        HyperelasticLaw::Gent(_) => {
-            return Err(Refusal::NoLaw { target, law: "Gent's energy" });
-        }
-        HyperelasticLaw::CompressibleNeoHookean(_) => {
-            return Err(Refusal::NoLaw { target, law: "compressible neo-Hookean film" });
-        }
+        other => return Err(request.no_law(energy(other))),
     };
     losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));

@@ -2,14 +2,12 @@
 //! stands for, over engineering strain, as VPS' material 151 takes them in the study of the LLDPE film.
 
 use super::film::{FabricCurves, Film, Refusal, Request};
+use super::layout::whole;
 use super::loss::Loss;
-use super::number::whole;
 
 /// The table without its head: one block of two columns a curve, one below the other.
 pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let Some(curves) = FabricCurves::of(&film.material.law, request, true, losses)? else {
-        return Err(Refusal::NoLaw { target: "a table of curves", law: "film that is no fabric" });
-    };
+    let curves = FabricCurves::of(&film.material.law, request, true, losses)?;
     losses.extend(film.lost_beside_the_law());
     losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
     let width = film.material.thickness * f64::from(request.layers) / request.system.resultant();

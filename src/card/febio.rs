@@ -1,18 +1,15 @@
 //! Cards of FEBio: a `<material>` of its feb files, for shells, since its elastic membrane has no such law.
 
-use super::film::{Film, Refusal, Request, bulk_modulus, ogden_terms, shear_modulus};
+use super::film::{Film, Refusal, Request, bulk_modulus, shear_modulus};
+use super::layout::whole;
 use super::loss::Loss;
-use super::number::whole;
 use membrane::material::{Elastic, HyperelasticLaw, Law};
-
-const NAME: &str = "FEBio";
 
 /// Terms of Ogden's law, and of a Prony series.
 const TERMS: usize = 6;
 
 /// The card without its head.
 pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let refused = |law| Err(Refusal::NoLaw { target: NAME, law });
     losses.extend(film.lost_to_rupture_and_heat());
     match &film.material.law {
         Law::Elastic(law) => Ok(isotropic(film, law, request, losses)),
@@ -21,8 +18,8 @@ pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) 
             Ok(isotropic(film, &field.0, request, losses))
         }
         Law::Hyperelastic(law) => rubber(film, law, request, losses),
-        Law::Fabric(_) | Law::RateFabric(_) => refused("fabric"),
-        Law::Plastic(_) => refused("plastic film"),
+        Law::Fabric(_) | Law::RateFabric(_) => Err(request.no_law("fabric")),
+        Law::Plastic(_) => Err(request.no_law("plastic film")),
     }
 }
 
@@ -50,17 +47,7 @@ fn rubber(
     request: &Request,
     losses: &mut Vec<Loss>,
 ) -> Result<String, Refusal> {
-    let Some(terms) = ogden_terms(law) else {
-        let law = match law {
-            HyperelasticLaw::Gent(_) => "Gent's energy",
-            HyperelasticLaw::CompressibleNeoHookean(_) => "compressible neo-Hookean film",
-            HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => "Yeoh's energy",
-        };
-        return Err(Refusal::NoLaw { target: NAME, law });
-    };
-    if terms.len() > TERMS {
-        return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
-    }
+    let terms = request.ogden(law, TERMS)?;
     losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     let viscosity = film.material.viscosity.as_ref();
@@ -81,10 +68,7 @@ fn rubber(
     let Some(viscosity) = viscosity else {
         return Ok(material(film, request, "Ogden", &(density + &constants(2))));
     };
-    if viscosity.terms().len() > TERMS {
-        let terms = viscosity.terms().len();
-        return Err(Refusal::TooManyTerms { target: NAME, terms, most: TERMS });
-    }
+    request.at_most(TERMS, viscosity.terms().len())?;
     let mut content = density + &element("g0", viscosity.long_term(), 2);
     for (place, term) in viscosity.terms().iter().enumerate() {
         let number = place + 1;

@@ -1,13 +1,11 @@
-//! The film of a card, in the terms of other solvers.
+//! The film of a card, in the terms of other solvers, and its curves with few points, which are straight between them.
 
 use std::f64::consts::PI;
 
 use thiserror::Error;
 
 use super::loss::Loss;
-use super::sampled::{Sampled, of_function, thinned};
-use super::system::System;
-use super::target::Target;
+use super::target::{System, Target};
 use membrane::material::{
     Curve, Fabric, FibreLaw, FlowRate, Hardening, HyperelasticLaw, Law, Material, OgdenTerm, Plastic, Polynomial,
     RateCurves,
@@ -79,6 +77,32 @@ impl Request {
         })
     }
 
+    /// The refusal of a law that the target does not have.
+    pub(crate) fn no_law(&self, law: &'static str) -> Refusal {
+        Refusal::NoLaw { target: self.target.name(), law }
+    }
+
+    /// Refuses more terms than the target takes.
+    pub(crate) fn at_most(&self, most: usize, terms: usize) -> Result<(), Refusal> {
+        let target = self.target.name();
+        if terms <= most { Ok(()) } else { Err(Refusal::TooManyTerms { target, terms, most }) }
+    }
+
+    /// The terms of an energy as droptower writes Ogden's law, of which the target takes as many as `most`.
+    pub(crate) fn ogden(&self, law: &HyperelasticLaw, most: usize) -> Result<Vec<OgdenTerm>, Refusal> {
+        let terms = ogden_terms(law).ok_or_else(|| self.no_law(energy(law)))?;
+        self.at_most(most, terms.len()).map(|()| terms)
+    }
+
+    /// The rate that was asked for, within the `range` of the curves; none is refused unless the target takes curves `by_rate`.
+    fn rate_within(&self, range: [f64; 2], by_rate: bool) -> Result<Option<f64>, Refusal> {
+        match self.rate {
+            Some(rate) if !(range[0]..=range[1]).contains(&rate) => Err(Refusal::OtherRate { rate, range }),
+            None if !by_rate => Err(Refusal::ManyRates { target: self.target.name(), range }),
+            rate => Ok(rate),
+        }
+    }
+
     /// The unit vector of MD; along an axis exactly that.
     pub(crate) fn md(&self) -> [f64; 2] {
         let (sin, cos) = self.md_angle.sin_cos();
@@ -139,27 +163,29 @@ pub(crate) struct FabricCurves {
 }
 
 impl FabricCurves {
-    /// The curves of the law, if it is a fabric; `by_rate` where the target takes several rates.
+    /// The curves of the law, which must be a fabric's; `by_rate` where the target takes several rates.
     pub(crate) fn of(
         law: &Law,
         request: &Request,
         by_rate: bool,
         losses: &mut Vec<Loss>,
-    ) -> Result<Option<FabricCurves>, Refusal> {
+    ) -> Result<FabricCurves, Refusal> {
         match law {
             Law::Fabric(fabric) => {
                 let curves = |curve: &Curve| vec![(None, curve.clone())];
                 let fibres = [fabric.md(), fabric.td()].map(curves);
-                Ok(Some(FabricCurves::sampled(fabric, fibres, request, losses)))
+                Ok(FabricCurves::sampled(fabric, fibres, request, losses))
             }
             Law::RateFabric(fabric) => {
                 let fibres = [rated(fabric.md(), request, by_rate)?, rated(fabric.td(), request, by_rate)?];
                 if let (Some(rate), Some(_)) = (request.rate, law.rates()) {
                     losses.push(Loss::Rates { kept: rate });
                 }
-                Ok(Some(FabricCurves::sampled(fabric, fibres, request, losses)))
+                Ok(FabricCurves::sampled(fabric, fibres, request, losses))
             }
-            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => Ok(None),
+            Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => {
+                Err(request.no_law("film that is no fabric"))
+            }
         }
     }
 
@@ -207,12 +233,10 @@ fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<(O
     let Some(range) = curves.range() else {
         return Ok(curves.curves().into_iter().map(|(_, curve)| (None, curve)).collect());
     };
-    match request.rate {
-        Some(rate) if (range[0]..=range[1]).contains(&rate) => Ok(vec![(None, curves.curve_at(rate))]),
-        Some(rate) => Err(Refusal::OtherRate { rate, range }),
-        None if by_rate => Ok(curves.curves().into_iter().map(|(rate, curve)| (Some(rate), curve)).collect()),
-        None => Err(Refusal::ManyRates { target: request.target.name(), range }),
-    }
+    Ok(match request.rate_within(range, by_rate)? {
+        Some(rate) => vec![(None, curves.curve_at(rate))],
+        None => curves.curves().into_iter().map(|(rate, curve)| (Some(rate), curve)).collect(),
+    })
 }
 
 /// Least rise of a piece of a curve over its first stress: solvers refuse flat ones.
@@ -271,8 +295,17 @@ pub(crate) fn at(points: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
+/// The energy, of which a target has no law.
+pub(crate) fn energy(law: &HyperelasticLaw) -> &'static str {
+    match law {
+        HyperelasticLaw::Gent(_) => "Gent's energy",
+        HyperelasticLaw::CompressibleNeoHookean(_) => "compressible neo-Hookean film",
+        HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => "Yeoh's energy",
+    }
+}
+
 /// An isotropic incompressible energy in terms of μ and α, as droptower writes Ogden's law, where it is one.
-pub(crate) fn ogden_terms(law: &HyperelasticLaw) -> Option<Vec<OgdenTerm>> {
+fn ogden_terms(law: &HyperelasticLaw) -> Option<Vec<OgdenTerm>> {
     match law {
         HyperelasticLaw::Ogden(film) => Some(film.energy.terms().to_vec()),
         // ½μ (I₁ − 3) and c₀₁ (I₂ − 3) are the terms of α = 2 and α = −2.
@@ -319,20 +352,14 @@ pub(crate) fn flow_curves(
         Hardening::Table(curve) => of_points(&mut curve.points()),
         Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
     };
-    let curves = match (law.rate(), request.rate) {
+    let rate = law.rates().map_or(Ok(None), |range| request.rate_within(range, tables))?;
+    let curves = match (law.rate(), rate) {
         (FlowRate::Independent, _) => vec![(None, slow())],
         (FlowRate::Table(table), None) => {
-            if !tables {
-                let range = law.rates().unwrap_or_default();
-                return Err(Refusal::ManyRates { target: request.target.name(), range });
-            }
             let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
             std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
         }
         (FlowRate::Table(_), Some(rate)) => {
-            if let Some(range) = law.rates().filter(|range| !(range[0]..=range[1]).contains(&rate)) {
-                return Err(Refusal::OtherRate { rate, range });
-            }
             losses.push(Loss::Rates { kept: rate });
             let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
             vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
@@ -387,4 +414,75 @@ pub(crate) fn lost_hill(law: &Plastic) -> Option<Loss> {
             && (law.hill().strain_ratio(*angle) - 1.0).abs() < 1e-9
     });
     (!is_isotropic).then_some(Loss::Hill)
+}
+
+/// A curve of straight pieces, and how far it is off.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sampled {
+    /// Abscissa and ordinate.
+    pub(crate) points: Vec<[f64; 2]>,
+    /// Largest difference from the curve over its largest ordinate.
+    pub(crate) error: f64,
+}
+
+/// At most `most` ≥ 2 of the `points` of a curve, its ends among them: each in turn is where the pieces so far are
+/// farthest off.
+pub(crate) fn thinned(points: &[[f64; 2]], most: usize) -> Sampled {
+    let largest = points.iter().map(|point| point[1].abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let mut kept = vec![0, points.len() - 1];
+    loop {
+        let (place, off) = farthest(points, &kept);
+        if kept.len() >= most.max(2) || off == 0.0 {
+            let points = kept.iter().map(|index| points[*index]).collect();
+            return Sampled { points, error: off / largest };
+        }
+        kept.insert(kept.partition_point(|index| *index < place), place);
+    }
+}
+
+/// The point that is farthest from the pieces between the kept ones, and how far.
+fn farthest(points: &[[f64; 2]], kept: &[usize]) -> (usize, f64) {
+    let mut farthest = (0, 0.0);
+    for ends in kept.windows(2) {
+        let ([x, y], [to_x, to_y]) = (points[ends[0]], points[ends[1]]);
+        for (index, point) in points.iter().enumerate().take(ends[1]).skip(ends[0] + 1) {
+            let off = (y + (to_y - y) * (point[0] - x) / (to_x - x) - point[1]).abs();
+            if off > farthest.1 {
+                farthest = (index, off);
+            }
+        }
+    }
+    farthest
+}
+
+/// A smooth curve `f` from zero to `end` by at most `most` points, chosen as [`thinned`] does among many.
+pub(crate) fn of_function(f: impl Fn(f64) -> f64, end: f64, most: usize) -> Sampled {
+    const FINE: usize = 4000;
+    let fine: Vec<[f64; 2]> = (0..=FINE).map(|i| end * i as f64 / FINE as f64).map(|x| [x, f(x)]).collect();
+    thinned(&fine, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_are_kept_and_points_between_are_not() {
+        let corner = [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0], [1.5, 2.0], [2.0, 2.0]];
+        let found = thinned(&corner, 100);
+        assert_eq!(found, Sampled { points: vec![[0.0, 0.0], [1.0, 2.0], [2.0, 2.0]], error: 0.0 });
+        assert_eq!(thinned(&corner, 2).points, [[0.0, 0.0], [2.0, 2.0]]);
+        assert!((thinned(&corner, 2).error - 0.5).abs() < 1e-15);
+    }
+
+    /// Pieces of a parabola between n + 1 points are off by h²/8 of its second derivative at best.
+    #[test]
+    fn a_smooth_curve_is_off_by_the_square_of_the_distance() {
+        let parabola = |x: f64| x * x;
+        let [few, many] = [17, 65].map(|most| of_function(parabola, 1.0, most));
+        assert_eq!((few.points.len(), many.points.len()), (17, 65));
+        let least = |points: f64| 0.25 / (points - 1.0).powi(2);
+        assert!(few.error >= 0.99 * least(17.0) && few.error < 4.5 * least(17.0), "{}", few.error);
+        assert!(many.error >= 0.99 * least(65.0) && many.error < 4.5 * least(65.0), "{}", many.error);
+    }
 }

@@ -6,8 +6,6 @@ use super::film::{Film, Refusal, Request};
 use super::loss::Loss;
 use membrane::material::{Elastic, Law};
 
-const NAME: &str = "Kratos";
-
 #[derive(Serialize)]
 struct Materials {
     /// Not read by Kratos: JSON has no comments.
@@ -51,16 +49,15 @@ pub(super) fn write(
     request: &Request,
     losses: &mut Vec<Loss>,
 ) -> Result<impl FnOnce(Vec<String>) -> String + use<>, Refusal> {
-    let refused = |law| Err(Refusal::NoLaw { target: NAME, law });
     let elastic = match &film.material.law {
         Law::Elastic(law) => law.clone(),
         Law::TensionField(field) => {
             losses.push(Loss::Wrinkling);
             field.0.clone()
         }
-        Law::Hyperelastic(_) => return refused("rubber-like film"),
-        Law::Fabric(_) | Law::RateFabric(_) => return refused("fabric"),
-        Law::Plastic(_) => return refused("plastic film"),
+        Law::Hyperelastic(_) => return Err(request.no_law("rubber-like film")),
+        Law::Fabric(_) | Law::RateFabric(_) => return Err(request.no_law("fabric")),
+        Law::Plastic(_) => return Err(request.no_law("plastic film")),
     };
     losses.extend(film.lost_beside_the_law());
     let Elastic { young, poisson } = elastic;

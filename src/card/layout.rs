@@ -5,8 +5,6 @@
 //! number, which has half the columns of a real one in OpenRadioss. A name in small letters says nothing of a film: readers pass
 //! over its value, and warn of any other that they do not know.
 
-use super::number::in_columns;
-
 /// The lines of a keyword, in order.
 pub(crate) type Layout = &'static [&'static str];
 
@@ -71,5 +69,105 @@ pub(crate) fn written(value: Field, width: usize) -> String {
         Field::Whole(number) => number.to_string(),
         Field::Real(value) => in_columns(value, width).unwrap_or_default(),
         Field::Word(word) => word.to_owned(),
+    }
+}
+
+/// Largest relative difference of a number that is written from its value.
+pub const ROUNDED: f64 = 1e-6;
+
+/// Most digits of a number: those that tell it from its neighbours.
+const DIGITS: usize = 17;
+
+/// The number in at most `width` characters; `None` where they do not hold it within [`ROUNDED`].
+///
+/// It has a point or an exponent, so that no reader takes it for a whole number.
+pub fn in_columns(value: f64, width: usize) -> Option<String> {
+    if value == 0.0 {
+        return Some("0.0".into());
+    }
+    let texts = (1..=DIGITS).flat_map(|digits| [plain(value, digits), Some(scientific(value, digits))]).flatten();
+    let fitting = texts.filter(|text| text.len() <= width).map(|text| {
+        let read: f64 = text.parse().unwrap_or(f64::NAN);
+        ((read / value - 1.0).abs(), text)
+    });
+    // Of equally exact ones the first and shortest.
+    let best = fitting.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 <= ROUNDED).then_some(best.1)
+}
+
+/// The number with every digit that it has.
+pub fn whole(value: f64) -> String {
+    in_columns(value, 30).unwrap_or_else(|| scientific(value, DIGITS))
+}
+
+/// The number in at most 20 characters, of which CalculiX and Abaqus read no more.
+pub fn in_twenty(value: f64) -> String {
+    // Every finite number fits; another is left for the solver to refuse, where an empty field would pass for a default.
+    in_columns(value, 20).unwrap_or_else(|| scientific(value, 12))
+}
+
+/// Without an exponent, with so many digits; `None` where that needs many zeros.
+fn plain(value: f64, digits: usize) -> Option<String> {
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..15).contains(&exponent) {
+        return None;
+    }
+    let decimals = (digits as i32 - 1 - exponent).max(1) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = text.trim_end_matches('0');
+    Some(if text.ends_with('.') { format!("{text}0") } else { text.to_owned() })
+}
+
+/// With an exponent and so many digits: `8.4E-06` as `8.4E-6`.
+fn scientific(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*E}", digits - 1);
+    match text.split_once('E') {
+        Some((mantissa, exponent)) if mantissa.contains('.') => {
+            let mantissa = mantissa.trim_end_matches('0');
+            format!("{mantissa}{}E{exponent}", if mantissa.ends_with('.') { "0" } else { "" })
+        }
+        Some((mantissa, exponent)) => format!("{mantissa}.0E{exponent}"),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_short_as_they_are_exact() {
+        for (value, width, expected) in [
+            (0.0, 10, Some("0.0")),
+            (1.0, 10, Some("1.0")),
+            (-0.5, 10, Some("-0.5")),
+            (9.15e-10, 10, Some("9.15E-10")),
+            (8.4e6, 10, Some("8400000.0")),
+            (210_000.0, 10, Some("210000.0")),
+            (0.024496, 10, Some("0.024496")),
+            (1.0 / 3.0, 10, Some("0.33333333")),
+            (1.234_567_8e-9, 10, None),
+            (1.234_567_8e-9, 20, Some("1.2345678E-9")),
+            (-1.234_567_8e-3, 10, Some("-0.0012346")),
+        ] {
+            let expected = if value == -1.234_567_8e-3 { None } else { expected.map(String::from) };
+            assert_eq!(in_columns(value, width), expected, "{value}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read(mantissa in -10.0_f64..10.0, exponent in -20_i32..20, width in 10_usize..24) {
+            let value = mantissa * 10.0_f64.powi(exponent);
+            if let Some(text) = in_columns(value, width) {
+                prop_assert!(text.len() <= width && (text.contains('.')));
+                let read: f64 = text.parse().unwrap();
+                prop_assert!((read - value).abs() <= ROUNDED * value.abs());
+            } else {
+                prop_assert!(width < 14);
+            }
+        }
     }
 }

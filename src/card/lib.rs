@@ -1,8 +1,8 @@
 //! Cards: an identified film in the material formats of other solvers.
 //!
 //! A [`Film`] and a [`Request`] give a [`Card`]: the text, and what it does not say of the film. Each solver has a module that
-//! knows its format and nothing of the others; what they share is the film in their terms (`film`), curves with few points
-//! (`sampled`), numbers in columns (`number`) and systems of units (`system`).
+//! knows its format and nothing of the others; what they share is the film in their terms and curves with few points
+//! (`film`), fields and numbers in columns (`layout`) and systems of units (`target`).
 #![warn(missing_docs)]
 
 mod abaqus;
@@ -14,17 +14,13 @@ mod kratos;
 mod layout;
 mod loss;
 mod ls_dyna;
-mod number;
 mod openradioss;
 pub mod read;
-mod sampled;
-mod system;
 mod target;
 
 pub use film::{Film, Refusal, Request};
 pub use loss::{CODES, Loss};
-pub use system::System;
-pub use target::{About, Target};
+pub use target::{About, System, Target};
 
 use base::number::significant;
 

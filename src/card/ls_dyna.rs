@@ -4,21 +4,18 @@
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
 use super::film::{
-    FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, rising,
+    FabricCurves, Film, Refusal, Request, Sampled, along_md, energy, flow_curves, lost_hill, odd, paths, rising,
     shear_modulus,
 };
+use super::layout::in_columns;
 use super::layout::{
     Field,
     Field::{Blank, Real, Whole},
     Format, Layout, line, written,
 };
 use super::loss::Loss;
-use super::number::in_columns;
-use super::sampled::Sampled;
-use super::system::System;
+use super::target::System;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
-
-const NAME: &str = "LS-DYNA";
 
 /// Terms of Ogden's law.
 const TERMS: usize = 8;
@@ -132,7 +129,7 @@ impl Units {
 fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     let of = Units(request.system);
     let law = &film.material.law;
-    let curves = FabricCurves::of(law, request, true, losses)?.expect("a fabric");
+    let curves = FabricCurves::of(law, request, true, losses)?;
     let stress = request.system.stress();
     let mut numbers = Numbers::of(request);
     let mut text = String::new();
@@ -258,36 +255,29 @@ fn rubber(
     losses: &mut Vec<Loss>,
 ) -> Result<String, Refusal> {
     let of = Units(request.system);
-    let poisson = match law {
-        HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_) => {
-            let law =
-                if matches!(law, HyperelasticLaw::Gent(_)) { "Gent's energy" } else { "compressible neo-Hookean film" };
-            return Err(Refusal::NoLaw { target: NAME, law });
-        }
-        HyperelasticLaw::Polynomial(_) | HyperelasticLaw::Ogden(_) => request.poisson_of(law),
-    };
+    if matches!(law, HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_)) {
+        return Err(request.no_law(energy(law)));
+    }
+    let poisson = request.poisson_of(law);
     losses.push(Loss::Compressible { poisson });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     losses.extend(film.lost_to_rupture_and_heat());
     // Prony moduli are added to the law, which is that of film that has relaxed.
     let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
     let head = vec![of.id(request), of.density(film), Real(poisson), Whole(0)];
-    let mut keyword = match (law, ogden_terms(law)) {
-        (HyperelasticLaw::Polynomial(rubber), _) => {
+    let mut keyword = match law {
+        HyperelasticLaw::Polynomial(rubber) => {
             let Polynomial { first: [c10, c20, c30], second } = rubber.energy;
             let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| of.stress(relaxed * c));
             let coefficients = vec![c10, c01, Real(0.0), c20, Real(0.0), c30];
             Keyword::of("MAT_HYPERELASTIC_RUBBER", Some(film.name), POLYNOMIAL, vec![head, coefficients])
         }
-        (_, Some(terms)) => {
-            if terms.len() > TERMS {
-                return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
-            }
+        _ => {
+            let terms = request.ogden(law, TERMS)?;
             let mu = terms.iter().map(|term| of.stress(relaxed * term.mu)).collect();
             let alpha = terms.iter().map(|term| Real(term.alpha)).collect();
             Keyword::of("MAT_OGDEN_RUBBER", Some(film.name), OGDEN, vec![head, mu, alpha])
         }
-        (_, None) => return Err(Refusal::NoLaw { target: NAME, law: "this energy" }),
     };
     if let Some(viscosity) = &film.material.viscosity {
         losses.push(Loss::LinearViscosity);

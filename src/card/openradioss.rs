@@ -5,9 +5,7 @@
 //! (`engine/source/materials/mat/mat058/sigeps58c.F`), and shear over the angle in degrees. Its starter refuses curves that do not
 //! rise, and unloading that does not meet loading (`starter/source/materials/mat/mat058/law58_upd.F`).
 
-use super::film::{
-    FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, ogden_terms, paths, shear_modulus,
-};
+use super::film::{FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, paths, shear_modulus};
 use super::layout::{
     Field,
     Field::{Real, Whole},
@@ -15,8 +13,6 @@ use super::layout::{
 };
 use super::loss::Loss;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic};
-
-const NAME: &str = "OpenRadioss";
 
 /// Crimp of the fibres of LAW58: zero would be taken for 0.1.
 const CRIMP: f64 = 1e-4;
@@ -136,7 +132,7 @@ fn orthotropic(film: &Film<'_>, elastic: &Elastic, request: &Request, losses: &m
 /// LAW58. Its seven lines refer to functions by number, so that these are written first and stand behind it.
 fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
     const DEGREES: f64 = std::f64::consts::PI / 180.0;
-    let curves = FabricCurves::of(&film.material.law, request, false, losses)?.expect("a fabric");
+    let curves = FabricCurves::of(&film.material.law, request, false, losses)?;
     losses.extend(film.lost_beside_the_law());
     let stress = request.system.stress();
     let [md, td] = &curves.fibres;
@@ -191,15 +187,7 @@ fn rubber(
     request: &Request,
     losses: &mut Vec<Loss>,
 ) -> Result<String, Refusal> {
-    let terms = match (ogden_terms(law), law) {
-        (Some(terms), _) => terms,
-        (None, HyperelasticLaw::Polynomial(_)) => return Err(no_law("Yeoh's energy")),
-        (None, HyperelasticLaw::Gent(_)) => return Err(no_law("Gent's energy")),
-        (None, _) => return Err(no_law("compressible neo-Hookean film")),
-    };
-    if terms.len() > TERMS {
-        return Err(Refusal::TooManyTerms { target: NAME, terms: terms.len(), most: TERMS });
-    }
+    let terms = request.ogden(law, TERMS)?;
     losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
     losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
     losses.extend(film.lost_to_rupture_and_heat());
@@ -217,10 +205,6 @@ fn rubber(
     let times: Vec<Field> = prony.iter().map(|term| Real(term.time / request.system.time())).collect();
     let block = material(film, request, "LAW42", LAW42, &[&head, &mu, &[], &alpha]);
     Ok(block.fives(OF_MODULI, &moduli).fives(OF_TIMES, &times).0)
-}
-
-fn no_law(law: &'static str) -> Refusal {
-    Refusal::NoLaw { target: NAME, law }
 }
 
 /// LAW43 with Hill's yield function, LAW36 with von Mises'.

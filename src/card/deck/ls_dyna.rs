@@ -5,12 +5,12 @@
 
 use membrane::material::Law;
 
+use super::body::shares;
 use super::finding::DeckLoss;
-use super::mounting::shares;
 use super::{Body, Face, Scene};
 use crate::layout::Field::{self, Blank, Real, Whole};
+use crate::layout::in_columns;
 use crate::ls_dyna::{Keyword, define_curve};
-use crate::number::in_columns;
 
 /// Numbers of the curves of a deck; those of materials begin above 100.
 const MOTION: i64 = 1;

@@ -8,21 +8,19 @@
 mod body;
 mod finding;
 mod ls_dyna;
-mod mounting;
 mod openradioss;
 
 use thiserror::Error;
 
 use super::film::{Film, Refusal, Request};
-use super::system::System;
-use super::target::Target;
+use super::target::{System, Target};
 use super::{Loss, ascii};
 use base::number::significant;
 
+pub use body::stress_free;
 pub use finding::{CODES, DeckLoss};
-pub use mounting::stress_free;
 
-use mounting::{Mounting, mounting};
+use body::{Mounting, mounting};
 
 /// A drop test, SI.
 #[derive(Clone, Debug)]

@@ -6,13 +6,13 @@
 
 use membrane::material::Law;
 
+use super::body::shares;
 use super::finding::DeckLoss;
-use super::mounting::shares;
 use super::{Body, DeckRefusal, Face, Scene};
 use crate::layout::Field::{self, Real, Whole, Word};
 use crate::layout::written;
 use crate::openradioss::{Block, function};
-use crate::system::System;
+use crate::target::System;
 
 /// Numbers of functions; those of materials begin above 100.
 const MOTION: i64 = 1;
@@ -322,8 +322,8 @@ fn contact(scene: &Scene<'_, '_>, body: &Body, place: usize, face: usize) -> Str
 
 /// The engine file: how long, and what is written how often. Time histories of the format of 2021 name their units.
 fn engine(scene: &Scene<'_, '_>) -> String {
-    let [end, interval] = [scene.end(), scene.deck.interval].map(|time| crate::number::whole(scene.time(time)));
-    let states = crate::number::whole(scene.time(scene.deck.duration / 100.0));
+    let [end, interval] = [scene.end(), scene.deck.interval].map(|time| crate::layout::whole(scene.time(time)));
+    let states = crate::layout::whole(scene.time(scene.deck.duration / 100.0));
     // Stiff film of linear law rings at its stable step.
     let is_stiff = |face: &Face<'_>| property(face) != 16 && !matches!(face.film.material.law, Law::Hyperelastic(_));
     let step = if scene.deck.faces.iter().any(is_stiff) { 0.6 } else { 0.9 };

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::{Fault, Mistake, Place, Warning};
+use super::{Mistake, Place, Warning};
 use crate::layout::{Format, Layout, fields};
 
 /// A keyword or a block.
@@ -54,7 +54,7 @@ pub(super) fn keywords(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
             let mut words = written.split_whitespace();
             let name = words.next().unwrap_or_default();
             if name.starts_with("INCLUDE") {
-                return Err(refused(number, 1, Fault::Include(format!("*{name}"))));
+                return Err(refused(number, 1, included(&format!("*{name}"))));
             }
             long_deck |= name == "KEYWORD" && words.any(|word| word == "LONG=Y");
             let (name, own) = match name.strip_suffix('+') {
@@ -89,7 +89,7 @@ pub(super) fn blocks(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
     let mut found: Vec<Entry<'_>> = vec![];
     for (number, line) in (1..).zip(text.lines().map(str::trim_end)) {
         if line.starts_with("#include") {
-            return Err(refused(number, 1, Fault::Include("#include".into())));
+            return Err(refused(number, 1, included("#include")));
         }
         if line.starts_with(['#', '$']) {
             continue;
@@ -112,8 +112,13 @@ pub(super) fn blocks(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
     Ok(found)
 }
 
-fn refused(line: usize, column: usize, fault: Fault) -> Mistake {
-    Mistake { place: Place { line, column }, fault }
+fn refused(line: usize, column: usize, message: String) -> Mistake {
+    Mistake { place: Place { line, column }, message }
+}
+
+/// Another file is part of the card.
+fn included(by: &str) -> String {
+    format!("{by} would read another file: put its lines here")
 }
 
 impl<'a> Entry<'a> {
@@ -127,7 +132,7 @@ impl<'a> Entry<'a> {
         self.rows.get(place).copied().ok_or_else(|| {
             let mark = if self.words.len() == 1 { '*' } else { '/' };
             let keyword = format!("{mark}{}", self.words.join("/"));
-            refused(self.line, 1, Fault::TooShort { keyword, card: place + 1 })
+            refused(self.line, 1, format!("{keyword} ends before its card {}", place + 1))
         })
     }
 }
@@ -135,10 +140,16 @@ impl<'a> Entry<'a> {
 impl<'a> Row<'a> {
     fn of(text: &'a str, line: usize, format: Format, most: usize, width: usize) -> Result<Row<'a>, Mistake> {
         if let Some(tab) = text.find('\t') {
-            return Err(refused(line, text[..tab].chars().count() + 1, Fault::Tab));
+            let tabbed = "a tab: in columns it stands for a number of blanks that readers disagree on";
+            return Err(refused(line, text[..tab].chars().count() + 1, tabbed.into()));
         }
         match text.chars().count() {
-            found if found > most => Err(refused(line, most + 1, Fault::TooLong { found, most, width })),
+            found if found > most => {
+                let long = format!(
+                    "the line has {found} columns, a card at most {most}: are its fields {width} columns wide?"
+                );
+                Err(refused(line, most + 1, long))
+            }
             _ => Ok(Row { line, text, format }),
         }
     }
@@ -178,27 +189,25 @@ impl<'a> Row<'a> {
 }
 
 impl Cell<'_> {
-    pub(super) fn mistake(&self, fault: Fault) -> Mistake {
-        Mistake { place: self.place, fault }
+    pub(super) fn mistake(&self, message: String) -> Mistake {
+        Mistake { place: self.place, message }
     }
 
     /// A value that a film cannot have.
     pub(super) fn outside(&self, value: f64, expected: &'static str) -> Mistake {
-        self.mistake(Fault::Outside { name: self.name, value, expected })
+        self.mistake(format!("{} is {value}, expected {expected}", self.name))
     }
 
     pub(super) fn missing(&self) -> Mistake {
-        self.mistake(Fault::Missing { name: self.name })
+        self.mistake(format!("{} is missing", self.name))
     }
 
     /// Its number; zero where it is empty.
     pub(super) fn number(&self) -> Result<f64, Mistake> {
         match self.text {
             "" => Ok(0.0),
-            text if text.starts_with('&') => Err(self.mistake(Fault::Parameter(text.to_owned()))),
-            text => {
-                number(text).ok_or_else(|| self.mistake(Fault::NotANumber { name: self.name, text: text.to_owned() }))
-            }
+            text if text.starts_with('&') => Err(self.mistake(format!("`{text}` is a parameter: write its value"))),
+            text => number(text).ok_or_else(|| self.mistake(format!("{} is not a number: `{text}`", self.name))),
         }
     }
 

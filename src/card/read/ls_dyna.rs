@@ -1,8 +1,7 @@
 //! Materials of LS-DYNA, by the layouts of [`crate::ls_dyna`], which writes them.
 
-use super::curve::{self, Ordinate};
 use super::entry::{Cell, Entry, Fields, Row};
-use super::{Fault, FoundLaw, Mistake, Points, Reader, instantaneous};
+use super::{FoundLaw, Mistake, Ordinate, Points, Reader, instantaneous, no_curve};
 use crate::layout::Layout;
 use crate::ls_dyna::{CURVE, ELASTIC, FABRIC, HYSTERETIC, OGDEN, PLASTIC, POLYNOMIAL, PRONY, TABLE};
 
@@ -66,7 +65,7 @@ pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), M
             let (value, named) = (row.cell(OF_TABLE, "VALUE"), row.cell(OF_TABLE, "CURVE"));
             let curve = match keyword.name() {
                 "DEFINE_TABLE" => {
-                    let curve = next.next().ok_or_else(|| value.mistake(Fault::NoCurve(number)))?;
+                    let curve = next.next().ok_or_else(|| value.mistake(no_curve(number)))?;
                     curve.row(0)?.cell(CURVE, "LCID")
                 }
                 _ => named,
@@ -100,10 +99,9 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
     let form = fields.cell("FORM")?;
     let number = form.whole()?.unwrap_or(0);
     if !matches!(number, 14 | -14) {
-        let fault = Fault::Unknown(format!(
+        return Err(form.mistake(format!(
             "FORM {number} is not read: of the forms with curves, 14 and -14 have engineering stress over engineering strain"
-        ));
-        return Err(form.mistake(fault));
+        )));
     }
     let units = [1.0, reader.system.stress()];
     let fibre = |name: &'static str| by_rate(reader, fields.cell(name)?, Ordinate::Fibre);
@@ -113,7 +111,7 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
     let slowest = |fibre: &[(Option<f64>, Points)]| fibre.first().map_or_else(Points::new, |(_, curve)| curve.clone());
     let paths = [("LCUA", Ordinate::Fibre), ("LCUB", Ordinate::Fibre), ("LCUAB", Ordinate::Shear)];
     let loading = [slowest(&fibres[0]), slowest(&fibres[1]), shear.clone()];
-    let mut absorption = curve::absorption(reader, fields, &loading, paths.map(|(name, kind)| (name, units, kind)));
+    let mut absorption = super::absorption(reader, fields, &loading, paths.map(|(name, kind)| (name, units, kind)));
     if number == -14 {
         let row = fields.below(0)?;
         let share = row.cell(HYSTERETIC, "H");
@@ -140,7 +138,7 @@ fn by_rate(reader: &Reader, cell: Cell<'_>, kind: Ordinate) -> Result<Vec<(Optio
             Ok((Some(rate), reader.numbered(cell, *curve, units, kind)?))
         } else {
             let why = "a table by strain rate has rates above zero".to_owned();
-            Err(cell.mistake(Fault::BadCurve { curve: number, why }))
+            Err(cell.mistake(format!("curve {number}: {why}")))
         }
     };
     table.iter().map(row).collect()
@@ -149,7 +147,7 @@ fn by_rate(reader: &Reader, cell: Cell<'_>, kind: Ordinate) -> Result<Vec<(Optio
 fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>, is_ogden: bool) -> Result<(FoundLaw, Points), Mistake> {
     let fitted = fields.cell("N")?;
     if fitted.number()? != 0.0 {
-        return Err(fitted.mistake(Fault::Unknown("N is not 0: constants that the solver fits are not read".into())));
+        return Err(fitted.mistake("N is not 0: constants that the solver fits are not read".into()));
     }
     reader.incompressible(fields.cell("PR")?)?;
     let stress = reader.system.stress();
@@ -160,7 +158,7 @@ fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>, is_ogden: bool) -> Resul
         for name in ["C11", "C02"] {
             let cell = fields.cell(name)?;
             if cell.number()? != 0.0 {
-                return Err(cell.mistake(Fault::Unknown(format!("{name} is of an energy that is not known here"))));
+                return Err(cell.mistake(format!("{name} is of an energy that is not known here")));
             }
         }
         let c = |name: &'static str| Ok(fields.number(name)? * stress);
@@ -168,7 +166,7 @@ fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>, is_ogden: bool) -> Resul
         (FoundLaw::Polynomial(found), 2.0 * (found[0] + found[1]), "C10")
     };
     if shear <= 0.0 {
-        return Err(fields.cell(first)?.mistake(Fault::Missing { name: "a shear modulus above zero" }));
+        return Err(fields.cell(first)?.mistake("a shear modulus above zero is missing".into()));
     }
     let mut moduli = vec![];
     for row in fields.rest() {
@@ -207,8 +205,8 @@ fn tabulated(reader: &Reader, fields: &Fields<'_, '_>, young: f64) -> Result<Poi
         if count > 1 {
             let points = points[..count].to_vec();
             let falls = points.windows(2).any(|ends| ends[1][1] < ends[0][1]);
-            let fault = || Fault::Unknown("the stress falls, where film would localise in one row of elements".into());
-            return if falls { Err(stresses[0].mistake(fault())) } else { Ok(points) };
+            let why = "the stress falls, where film would localise in one row of elements";
+            return if falls { Err(stresses[0].mistake(why.into())) } else { Ok(points) };
         }
     }
     let cell = fields.cell("ETAN")?;

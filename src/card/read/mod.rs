@@ -3,7 +3,6 @@
 //! Three steps: lines and fields of a format with their places ([`entry`]), the fields of a material in the terms of its solver, a
 //! module each, and the film. What is not understood is named; what changes the film and is not understood is refused.
 
-mod curve;
 mod entry;
 mod ls_dyna;
 mod openradioss;
@@ -11,13 +10,12 @@ mod text;
 
 use std::collections::BTreeMap;
 
-use thiserror::Error;
+use entry::{Cell, Entry, Fields};
 
 use super::layout::Layout;
-use super::system::System;
+use super::target::System;
+use crate::film::{at, unloading};
 use base::findings;
-use curve::{Ordinate, of_film};
-use entry::{Cell, Entry};
 
 pub use text::material;
 
@@ -128,91 +126,12 @@ impl Warning {
 }
 
 /// Why a card cannot be read.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum Fault {
-    /// Nothing in it says which solver it is for.
-    #[error("this is no card: no line begins with a keyword of LS-DYNA or OpenRadioss")]
-    UnknownFormat,
-    /// There is no material that is known.
-    #[error("there is no material that is known here")]
-    NoMaterial,
-    /// There is no material of this name.
-    #[error("there is no material {0}")]
-    NoSuchMaterial(String),
-    /// A field is no number.
-    #[error("{name} is not a number: `{text}`")]
-    NotANumber {
-        /// Of the field.
-        name: &'static str,
-        /// As written.
-        text: String,
-    },
-    /// A field that the film needs is empty or zero.
-    #[error("{name} is missing")]
-    Missing {
-        /// Of the field.
-        name: &'static str,
-    },
-    /// A value that a film cannot have.
-    #[error("{name} is {value}, expected {expected}")]
-    Outside {
-        /// Of the field.
-        name: &'static str,
-        /// As written.
-        value: f64,
-        /// In words.
-        expected: &'static str,
-    },
-    /// A line is longer than its fields.
-    #[error("the line has {found} columns, a card at most {most}: are its fields {width} columns wide?")]
-    TooLong {
-        /// Columns.
-        found: usize,
-        /// Columns of all fields.
-        most: usize,
-        /// Columns of one.
-        width: usize,
-    },
-    /// A tab moves fields to other columns in every reader.
-    #[error("a tab: in columns it stands for a number of blanks that readers disagree on")]
-    Tab,
-    /// A keyword has fewer lines than it needs.
-    #[error("{keyword} ends before its card {card}")]
-    TooShort {
-        /// Which.
-        keyword: String,
-        /// From 1.
-        card: usize,
-    },
-    /// Another file is part of the card.
-    #[error("{0} would read another file: put its lines here")]
-    Include(String),
-    /// Values by name.
-    #[error("`{0}` is a parameter: write its value")]
-    Parameter(String),
-    /// A curve or table that is named is not there.
-    #[error("there is no curve or table {0}")]
-    NoCurve(i64),
-    /// A curve that is no law of a film.
-    #[error("curve {curve}: {why}")]
-    BadCurve {
-        /// Its number.
-        curve: i64,
-        /// In words.
-        why: String,
-    },
-    /// A variant of the law that is not known here.
-    #[error("{0}")]
-    Unknown(String),
-}
-
-/// A fault with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mistake {
     /// Where.
     pub place: Place,
     /// What.
-    pub fault: Fault,
+    pub message: String,
 }
 
 /// Reads the film of a card in the units of `system`; of several materials the one whose number or title is `wanted`, else the
@@ -221,9 +140,10 @@ pub struct Mistake {
 /// # Errors
 /// [`Mistake`], the first.
 pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading, Mistake> {
-    let nowhere = |fault: Fault| Mistake { place: Place { line: 1, column: 1 }, fault };
+    let nowhere = |message: String| Mistake { place: Place { line: 1, column: 1 }, message };
+    let no_card = || nowhere("this is no card: no line begins with a keyword of LS-DYNA or OpenRadioss".into());
     let first = card.lines().find_map(|line| line.chars().next().filter(|first| ['*', '/'].contains(first)));
-    let is_dyna = first.ok_or_else(|| nowhere(Fault::UnknownFormat))? == '*';
+    let is_dyna = first.ok_or_else(no_card)? == '*';
     let all = if is_dyna { entry::keywords(card)? } else { entry::blocks(card)? };
     let layout = |entry: &Entry<'_>| if is_dyna { ls_dyna::layout(entry) } else { openradioss::layout(entry) };
     let known: Vec<(&Entry<'_>, Layout)> = all.iter().filter_map(|entry| Some((entry, layout(entry)?))).collect();
@@ -235,8 +155,8 @@ pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading,
         wanted.is_none_or(|wanted| entry.title == Some(wanted) || number(entry) == wanted)
     };
     let (entry, of_it) = *known.iter().find(named).ok_or_else(|| match (wanted, known.is_empty()) {
-        (Some(wanted), false) => nowhere(Fault::NoSuchMaterial(wanted.to_owned())),
-        _ => nowhere(Fault::NoMaterial),
+        (Some(wanted), false) => nowhere(format!("there is no material {wanted}")),
+        _ => nowhere("there is no material that is known here".into()),
     })?;
     let mut reader = Reader { system, curves: BTreeMap::new(), tables: BTreeMap::new(), warnings: vec![] };
     let is_passed_over = if is_dyna { ls_dyna::is_passed_over } else { openradioss::is_passed_over };
@@ -285,9 +205,9 @@ impl Reader {
 
     /// As [`Reader::curve`], of a curve whose number another curve or table names; mistakes are at the field.
     fn numbered(&self, cell: Cell<'_>, number: i64, units: [f64; 2], kind: Ordinate) -> Result<Points, Mistake> {
-        let points = self.curves.get(&number).ok_or_else(|| cell.mistake(Fault::NoCurve(number)))?;
+        let points = self.curves.get(&number).ok_or_else(|| cell.mistake(no_curve(number)))?;
         let scaled = points.iter().map(|[x, y]| [x * units[0], y * units[1]]).collect();
-        of_film(scaled, kind).map_err(|why| cell.mistake(Fault::BadCurve { curve: number, why: why.to_owned() }))
+        of_film(scaled, kind).map_err(|why| cell.mistake(format!("curve {number}: {why}")))
     }
 
     /// Warns of a Poisson's ratio that is not that of incompressible film.
@@ -297,6 +217,11 @@ impl Reader {
             .extend((value != 0.0 && value < INCOMPRESSIBLE).then(|| poisson.ignored(poisson.text.to_owned())));
         Ok(())
     }
+}
+
+/// A curve or table that is named is not there.
+fn no_curve(number: i64) -> String {
+    format!("there is no curve or table {number}")
 }
 
 /// Ogden's energy of the terms that are not zero, and its shear modulus.
@@ -320,4 +245,75 @@ fn instantaneous(law: FoundLaw, shear: f64, moduli: &[[f64; 2]]) -> (FoundLaw, V
         other => other,
     };
     (stiffened, prony)
+}
+
+/// What the ordinates of a curve are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ordinate {
+    /// Stress of fibres, which begins at zero.
+    Fibre,
+    /// Stress in shear, which is the same to both sides of zero, or written to one.
+    Shear,
+    /// Flow stress.
+    Flow,
+}
+
+/// Relative difference of what cards write with the fewest digits, and of shares that follow from that; unloading curves rise by as
+/// much where the film is slack.
+const DIGITS: f64 = 1e-5;
+
+/// The points from the abscissa zero on; in words why they are no curve of a film.
+fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static str> {
+    if points.windows(2).any(|ends| ends[1][0] <= ends[0][0]) {
+        return Err("its abscissas do not increase");
+    }
+    if kind == Ordinate::Fibre && points.iter().any(|point| point[0] < 0.0 && point[1] != 0.0) {
+        return Err("it has stress in compression, which fibres do not carry");
+    }
+    let is_odd = |points: &Points| {
+        let most = points[points.len() - 1][1].abs();
+        let differs = |[x, y]: &[f64; 2]| (at(points, -x) + y).abs() > DIGITS * most;
+        !points.iter().filter(|[x, y]| *x < 0.0 && *y != 0.0).any(differs)
+    };
+    if kind == Ordinate::Shear && points.len() > 1 && !is_odd(&points) {
+        return Err("its negative side is another than its positive one");
+    }
+    let above: Points = points.into_iter().filter(|point| point[0] >= 0.0).collect();
+    let least = if kind == Ordinate::Flow { 1 } else { 2 };
+    if above.len() < least {
+        return Err("it has too few points from zero on");
+    }
+    if above.windows(2).any(|ends| ends[1][1] < ends[0][1]) {
+        return Err("its stress falls, where film would localise in one row of elements");
+    }
+    Ok(above)
+}
+
+/// The share of the stored energy that is lost, where the curves of the fields `paths`, in order MD, TD and shear, are the loading
+/// ones compressed towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card;
+/// other paths are no absorption, and warned of.
+fn absorption(
+    reader: &mut Reader,
+    fields: &Fields<'_, '_>,
+    loading: &[Points; 3],
+    paths: [(&'static str, [f64; 2], Ordinate); 3],
+) -> f64 {
+    let share = |(loading, (name, units, kind)): (&Points, (&'static str, [f64; 2], Ordinate))| {
+        let path = reader.curve(fields.cell(name).ok()?, units, kind).ok()?;
+        let (&[_, [slack, _], ..], &[from, top]) = (path.as_slice(), path.last()?) else { return None };
+        let expected = unloading(loading, from, slack / from);
+        let is_near = |(found, expected): (&[f64; 2], &[f64; 2])| {
+            (found[0] - expected[0]).abs() <= DIGITS * from && (found[1] - expected[1]).abs() <= DIGITS * top
+        };
+        let is_compressed = path.len() == expected.len() && path.iter().zip(&expected).all(is_near);
+        is_compressed.then_some(slack / from)
+    };
+    let shares: Vec<f64> = loading.iter().zip(paths).filter_map(share).collect();
+    if shares.len() == 3 && shares.iter().all(|share| (share - shares[0]).abs() <= DIGITS) {
+        return shares.iter().sum::<f64>() / 3.0;
+    }
+    let cells = paths.iter().filter_map(|(name, ..)| fields.cell(name).ok());
+    let written = cells.filter(|cell| cell.number() != Ok(0.0));
+    reader.warnings.extend(written.map(|cell| cell.ignored(cell.text.to_owned())));
+    0.0
 }

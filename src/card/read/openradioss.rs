@@ -2,9 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::curve::{self, Ordinate};
 use super::entry::{Cell, Entry, Fields, Row};
-use super::{Fault, FoundLaw, Mistake, Place, Points, Reader, instantaneous};
+use super::{FoundLaw, Mistake, Ordinate, Place, Points, Reader, instantaneous};
 use crate::layout::Layout;
 use crate::openradioss::{
     LAW19, LAW36, LAW42, LAW43, LAW58, OF_FUNCTIONS, OF_MODULI, OF_RATE, OF_RATES, OF_SCALES, OF_TIMES, POINT,
@@ -38,8 +37,8 @@ pub(super) fn is_passed_over(entry: &Entry<'_>) -> bool {
 pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), Mistake> {
     for block in all.iter().filter(|entry| is_passed_over(entry)) {
         let place = Place { line: block.line, column: 1 };
-        let fault = Fault::Missing { name: "the number of the function" };
-        let number = block.words.get(1).and_then(|number| number.parse().ok()).ok_or(Mistake { place, fault })?;
+        let message = "the number of the function is missing".to_owned();
+        let number = block.words.get(1).and_then(|number| number.parse().ok()).ok_or(Mistake { place, message })?;
         let point = |row: &Row<'_>| Ok([row.cell(POINT, "X").number()?, row.cell(POINT, "Y").number()?]);
         reader.curves.insert(number, block.rows.iter().map(point).collect::<Result<_, Mistake>>()?);
     }
@@ -88,7 +87,7 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
                     ("FCT_ID5", td, Ordinate::Fibre),
                     ("FCT_ID6", shear, Ordinate::Shear),
                 ];
-                curve::absorption(reader, fields, &loading, paths)
+                super::absorption(reader, fields, &loading, paths)
             }
             _ => 0.0,
         };
@@ -102,8 +101,8 @@ fn orthotropic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw,
     let (e11, e22, shear, poisson) = (e11?, e22?, shear?, fields.number("NU12")?);
     let is_isotropic = (e11 / e22 - 1.0).abs() < 1e-5 && (shear * (2.0 + 2.0 * poisson) / e11 - 1.0).abs() < 1e-5;
     if !is_isotropic {
-        let fault = Fault::Unknown("the film is not the same along both directions: no linear law here is".into());
-        return Err(fields.cell("E22")?.mistake(fault));
+        let why = "the film is not the same along both directions: no linear law here is";
+        return Err(fields.cell("E22")?.mistake(why.into()));
     }
     let poisson = fields.cell("NU12")?.poisson()?;
     let reduction = fields.cell("R_E")?;
@@ -120,7 +119,7 @@ fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<(FoundLaw, Poi
     let both = |first: usize| Ok([fields.cells(first)?, fields.cells(first + 1)?].concat());
     let (law, shear) = super::ogden(both(2)?, both(4)?, stress)?;
     if shear <= 0.0 {
-        return Err(fields.cell("MU_1")?.mistake(Fault::Missing { name: "a shear modulus above zero" }));
+        return Err(fields.cell("MU_1")?.mistake("a shear modulus above zero is missing".into()));
     }
     let count = fields.cell("M")?.whole()?.unwrap_or(0).clamp(0, 100) as usize;
     let rows = count.div_ceil(5);

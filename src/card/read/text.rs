@@ -1,13 +1,13 @@
 //! A film that was read as a material file.
 
 use super::{Found, FoundLaw, Points};
-use crate::number;
+use crate::layout;
 
 /// A number with the digits that survive a change of units.
 fn whole(value: f64) -> String {
     const DIGITS: usize = 12;
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
-    number::whole(rounded)
+    layout::whole(rounded)
 }
 
 /// The text of a material whose layers are `thickness` (m) thick, below `comments`, one a line.
@@ -53,17 +53,7 @@ fn law(law: &FoundLaw) -> String {
             let mut text = format!("[plastic]\nyoung   = {}\npoisson = {}\n", stress(*young), whole(*poisson));
             match curves.as_slice() {
                 [(None, only)] => text += &format!("hardening = {{ curve = {} }}\n", points(only)),
-                curves => {
-                    let row = |(rate, curve): &(Option<f64>, Points)| {
-                        format!(
-                            "    {{ rate = \"{} 1/s\", curve = {} }},\n",
-                            whole(rate.unwrap_or_default()),
-                            points(curve)
-                        )
-                    };
-                    let rows: String = curves.iter().map(row).collect();
-                    text += &format!("hardening = {{ rates = [\n{rows}] }}\n");
-                }
+                curves => text += &format!("hardening = {{ rates = [\n{}] }}\n", rows(curves)),
             }
             if let Some(r) = hill {
                 let [r0, r45, r90] = r.map(whole);
@@ -78,10 +68,15 @@ fn fibre(name: &str, curves: &[(Option<f64>, Points)]) -> String {
     if let [(None, only)] = curves {
         return format!("{name} = {{ curve = {} }}\n", points(only));
     }
+    format!("{name}.rates = [\n{}]\n", rows(curves))
+}
+
+/// The curves of several rates, a line each.
+fn rows(curves: &[(Option<f64>, Points)]) -> String {
     let row = |(rate, curve): &(Option<f64>, Points)| {
         format!("    {{ rate = \"{} 1/s\", curve = {} }},\n", whole(rate.unwrap_or_default()), points(curve))
     };
-    format!("{name}.rates = [\n{}]\n", curves.iter().map(row).collect::<String>())
+    curves.iter().map(row).collect()
 }
 
 fn points(points: &[[f64; 2]]) -> String {

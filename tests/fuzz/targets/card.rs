@@ -21,7 +21,7 @@ fuzz_target!(|input: &[u8]| {
                     Err(mistakes) => panic!("no material: {}", show(&mistakes)),
                 }
             }),
-            Err(mistake) => drop(mistake.fault.to_string()),
+            Err(mistake) => drop(mistake.message),
         }
     }
 });
