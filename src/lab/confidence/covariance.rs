@@ -14,10 +14,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::identifiability::Direction;
-use super::linearization::Linearization;
+use super::estimate::Direction;
+use super::linearization::{ConfidenceOptions, Linearization};
 use super::noise::{Colour, Misfit, Noise};
-use super::options::ConfidenceOptions;
 use crate::error::{Error, refusal};
 use base::number::significant;
 

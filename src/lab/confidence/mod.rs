@@ -4,15 +4,11 @@
 
 mod covariance;
 mod estimate;
-mod identifiability;
 mod linearization;
 mod noise;
-mod options;
 mod warning;
 
-pub use estimate::Confidence;
-pub use identifiability::Direction;
-pub use linearization::Linearization;
+pub use estimate::{Confidence, Direction};
+pub use linearization::{ConfidenceOptions, Linearization};
 pub use noise::{Colour, Misfit, Noise};
-pub use options::ConfidenceOptions;
 pub use warning::{CODES, Warning};

@@ -1,7 +1,6 @@
 //! Doubts about confidence intervals.
 
-use base::findings;
-use base::number;
+use base::{findings, number};
 
 findings! {
     /// A warning about a confidence interval.

@@ -5,8 +5,7 @@ use std::path::Path;
 use crate::error::{Error, refusal};
 use crate::signal::column_name::ColumnName;
 use crate::signal::csv::{Column, Table};
-use crate::signal::file;
-use crate::signal::{Annotations, ReadOptions};
+use crate::signal::{Annotations, ReadOptions, file};
 use base::diagnostic::listed;
 use base::units::Length;
 

@@ -14,8 +14,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, refusal};
 use crate::signal::column_name::ColumnName;
 use crate::signal::csv::Column;
-use crate::signal::file as signal_file;
-use crate::signal::{Annotations, ReadOptions};
+use crate::signal::{Annotations, ReadOptions, file as signal_file};
 use base::diagnostic::listed;
 use base::units::Time;
 

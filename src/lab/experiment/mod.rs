@@ -4,7 +4,6 @@ pub mod absorption;
 pub mod biaxial;
 pub mod coupling;
 pub mod coupon;
-mod descent;
 pub mod drop;
 pub mod fall;
 mod fit;

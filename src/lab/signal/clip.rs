@@ -3,8 +3,7 @@
 //! 49 CFR 571.208 (S6.3) and UN R94 (5.2.1.1) count the time above the level cumulatively; software and some protocols
 //! ask for one unbroken interval. Both are offered, the regulations' is the default.
 
-use super::Series;
-use super::gap;
+use super::{Series, gap};
 use crate::error::{Error, refusal};
 use base::number::significant;
 

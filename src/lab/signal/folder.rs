@@ -1,8 +1,7 @@
 //! The recordings in a folder.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use super::format::{FORMATS, Support};
 

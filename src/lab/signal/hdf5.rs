@@ -7,7 +7,7 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, Dataset, Datatype, DatatypeByteOrder, File, Group};
 
 use super::Annotations;
-use super::stored::{Catalogue, Columns, Entry};
+use super::stored::{Binary, Catalogue, Columns, Entry};
 use crate::error::{Error, refusal};
 use base::file;
 
@@ -257,28 +257,15 @@ fn is_plain(order: DatatypeByteOrder) -> bool {
 
 /// The number in `bytes`, which are at least as many as those of its type.
 fn number(datatype: &Datatype, bytes: &[u8]) -> Option<f64> {
-    let (size, order) = match datatype {
-        Datatype::FixedPoint { size, byte_order, .. } | Datatype::FloatingPoint { size, byte_order, .. } => {
-            (*size as usize, *byte_order)
+    let (meant, size, order) = match datatype {
+        Datatype::FloatingPoint { size, byte_order, .. } => (Binary::Float, *size, *byte_order),
+        Datatype::FixedPoint { size, byte_order, layout, .. } => {
+            (if layout.signed { Binary::Signed } else { Binary::Unsigned }, *size, *byte_order)
         }
         Datatype::Enumeration { base_type, .. } => return number(base_type, bytes),
         _ => return None,
     };
-    let mut own = [0; 8];
-    own.get_mut(..size)?.copy_from_slice(bytes.get(..size)?);
-    if order == DatatypeByteOrder::BigEndian {
-        own[..size].reverse();
-    }
-    let bits = u64::from_le_bytes(own);
-    Some(match datatype {
-        Datatype::FloatingPoint { size: 4, .. } => f32::from_bits(bits as u32).into(),
-        Datatype::FloatingPoint { .. } => f64::from_bits(bits),
-        Datatype::FixedPoint { layout, .. } if layout.signed => {
-            let unused = 64 - 8 * size as u32;
-            ((bits << unused) as i64 >> unused) as f64
-        }
-        _ => bits as f64,
-    })
+    meant.number(bytes.get(..size as usize)?, order == DatatypeByteOrder::BigEndian)
 }
 
 /// The refusal of an object that is damaged, or of a kind that is not read.

@@ -9,8 +9,8 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use super::Annotations;
-use super::channel_fault::MOST_VALUES;
-use super::stored::{Catalogue, Columns, Entry};
+use super::measurement::MOST_VALUES;
+use super::stored::{Binary, Catalogue, Columns, Entry};
 use crate::error::{Error, refusal};
 use base::file;
 
@@ -359,29 +359,13 @@ fn number_width(kind: u32) -> usize {
 
 /// The numbers of an element of a numeric kind.
 fn numbers(element: &Element, is_big: bool) -> Option<Vec<f64>> {
-    macro_rules! of {
-        ($type:ty) => {
-            element
-                .bytes
-                .chunks_exact(size_of::<$type>())
-                .filter_map(|bytes| bytes.try_into().ok())
-                .map(|bytes| if is_big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) } as f64)
-                .collect()
-        };
-    }
-    Some(match element.kind {
-        INT8 => of!(i8),
-        2 => of!(u8),
-        3 => of!(i16),
-        4 => of!(u16),
-        INT32 => of!(i32),
-        UINT32 => of!(u32),
-        7 => of!(f32),
-        9 => of!(f64),
-        12 => of!(i64),
-        13 => of!(u64),
+    let meant = match element.kind {
+        INT8 | 3 | INT32 | 12 => Binary::Signed,
+        2 | 4 | UINT32 | 13 => Binary::Unsigned,
+        7 | 9 => Binary::Float,
         _ => return None,
-    })
+    };
+    element.bytes.chunks_exact(number_width(element.kind)).map(|bytes| meant.number(bytes, is_big)).collect()
 }
 
 /// The text of an element of characters.

@@ -1,9 +1,9 @@
-//! The content of a file: channels with their units, each over its own time axis.
+//! How a file is read, what its reading gives, and refusals that are alike in files of every format.
 
 use std::collections::{HashMap, HashSet};
 
 use super::column_name::{ColumnName, TIME};
-use super::{Annotations, Channel, Recording, Series};
+use super::{Annotations, Channel, Recording, Series, Warning};
 use crate::error::{Error, Kind, refusal};
 use base::diagnostic::{closest, listed};
 use base::units::{Dimension, Strain, Unit};
@@ -177,6 +177,106 @@ pub(crate) fn missing(name: &str, known: &[String]) -> Error {
 pub(crate) fn ambiguous(name: &str, labels: &[String]) -> Error {
     let error = refusal!("several channels are called `{name}`: {}", listed(labels));
     error.with_hint("ask for one of these")
+}
+
+/// Which channels of a file are read, and what the caller states about them.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// The channels to read; the others are not held in memory.
+    pub channels: ChannelSelection,
+    /// The column of a table that holds the time; where none is given, the one with such a name.
+    pub time: Option<String>,
+    /// Units by channel name where the file states none; a unit that contradicts the file is an error.
+    pub units: Vec<(String, Unit)>,
+    /// The unit of every channel except the time where the file states none; one that contradicts the file is an error.
+    pub unit: Option<Unit>,
+    /// Column names of a table, which replace those of its header, time included; with units as in a header,
+    /// `accel [g]`.
+    pub names: Vec<String>,
+    /// Words in the cells of a table that mean that nothing was measured, in lower case; an empty cell always does.
+    pub gaps: &'static [&'static str],
+}
+
+/// Which channels of a file are read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum ChannelSelection {
+    /// All of them.
+    #[default]
+    All,
+    /// The channels with these names; a missing one is an error.
+    Named(Vec<String>),
+    /// The only one of the file; several are an error.
+    Only,
+}
+
+impl ReadOptions {
+    /// Whether the text of a cell means that nothing was measured.
+    pub(super) fn is_gap(&self, text: &str) -> bool {
+        text.is_empty() || self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap))
+    }
+
+    /// The unit of the channel with this name and label: that of the `file`, or the one that the caller states of the
+    /// channel, or else of `others`. A refusal, of the channel as it is `shown`, where file and caller differ.
+    pub(super) fn unit(
+        &self,
+        names: [&str; 2],
+        file: Option<&Unit>,
+        others: Option<&Unit>,
+        shown: &str,
+    ) -> Result<Option<Unit>, Error> {
+        let named = self.units.iter().find(|(name, _)| names.contains(&name.as_str()));
+        match (file, named.map(|(_, unit)| unit).or(others)) {
+            (Some(file), Some(given)) if file != given => {
+                let (file, given) = (file.symbol(), given.symbol());
+                Err(refusal!("mixed units: the file states `{file}` of `{shown}`, but `{given}` is given"))
+            }
+            (file, given) => Ok(file.or(given).cloned()),
+        }
+    }
+
+    /// The one channel called `name`, or the only one.
+    pub fn one(name: Option<&str>) -> ReadOptions {
+        let channels = name.map_or(ChannelSelection::Only, |name| ChannelSelection::Named(vec![name.into()]));
+        ReadOptions { channels, ..ReadOptions::default() }
+    }
+}
+
+/// Most values that are held of a file; more is a mistake or an attack.
+pub const MOST_VALUES: usize = 50_000_000;
+
+/// One channel is wanted, none is named, and these are there; a channel is named by this `word`.
+pub(super) fn not_one(found: &[String], word: &str) -> Error {
+    refusal!("one channel is wanted, found {}: {}", found.len(), listed(found))
+        .with_hint(format!("name the channel: --column {word}"))
+}
+
+/// The text in place of a number of the channel `name`.
+pub(super) fn not_a_number(name: &str, found: &str) -> Error {
+    refusal!("expected a number for `{name}`, found `{found}`")
+}
+
+/// A value that is infinite or `NaN`.
+pub(super) fn not_finite(name: &str) -> Error {
+    refusal!("`{name}` is not finite")
+}
+
+/// A time that is not later than the one before, both as the file writes them.
+pub(super) fn not_increasing(time: f64, previous: f64) -> Error {
+    refusal!("time does not increase: {time} after {previous}")
+}
+
+/// A unit of the time that is unknown or of another dimension.
+pub(super) fn not_a_time(name: &str, unit: &str) -> Error {
+    refusal!("time (`{name}`) cannot be in `{unit}`")
+}
+
+/// The warning of a channel without a known unit; the text in the place of its unit, where there is one, is `unknown`.
+pub(super) fn no_unit(channel: &str, unknown: Option<&str>) -> Warning {
+    let channel = channel.to_owned();
+    match unknown {
+        Some(unit) => Warning::UnknownUnit { channel, unit: unit.to_owned() },
+        None => Warning::NoUnit { channel },
+    }
 }
 
 #[cfg(test)]

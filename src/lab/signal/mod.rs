@@ -1,12 +1,10 @@
 //! Time series as values: channels and recordings, their files, and what is computed from them.
 
 pub(crate) mod annotations;
-mod channel_fault;
 pub mod clip;
 pub mod column;
 pub(crate) mod column_name;
 pub mod csv;
-mod curve;
 pub mod export;
 pub mod file;
 pub mod filter;
@@ -20,9 +18,7 @@ pub mod isomme;
 pub mod matlab;
 mod measurement;
 pub mod norm;
-mod options;
 pub mod rating;
-mod recording;
 pub mod resample;
 mod series;
 pub mod stored;
@@ -33,12 +29,8 @@ mod warning;
 pub mod workbook;
 
 pub use annotations::Annotations;
-pub use channel_fault::MOST_VALUES;
-pub use measurement::{MeasuredChannel, Measurement};
+pub use measurement::{ChannelSelection, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions};
 pub(crate) use measurement::{ambiguous, check_dimension, missing};
-pub use options::{ChannelSelection, ReadOptions};
-pub use recording::{Channel, Recording};
-pub use series::Series;
 pub(crate) use series::interpolated;
-pub use warning::{CODES, Warning};
-pub use warning::{FILTERED_BEFORE, VIRTUAL_RECORDING};
+pub use series::{Channel, Recording, Series};
+pub use warning::{CODES, FILTERED_BEFORE, VIRTUAL_RECORDING, Warning};

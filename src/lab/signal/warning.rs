@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::curve::Curve;
 use base::diagnostic::listed;
 use base::findings;
 use base::number::significant;
@@ -227,5 +226,23 @@ findings! {
                 another";
             remedy "check the channel";
             message "comparison: constant, so no shift correlates better than none";
+    }
+}
+
+/// One of the two curves of a rating.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// The measured curve, or the one that counts as exact.
+    Reference,
+    /// The curve that is rated.
+    Comparison,
+}
+
+impl fmt::Display for Curve {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Curve::Reference => "reference",
+            Curve::Comparison => "comparison",
+        })
     }
 }

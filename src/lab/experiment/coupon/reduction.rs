@@ -1,9 +1,8 @@
 use std::collections::BTreeSet;
 
 use super::average::{SampleStatistics, mean_curve};
-use super::direction::Direction;
-use super::label::is_same_speed;
-use super::machine::not_positive;
+use super::label::{Direction, is_same_speed};
+use super::recording::not_positive;
 use super::{BREAK_SHARE, Curve, Modulus, Rupture, WINDOW, YieldPoints, yield_points};
 use crate::error::{Error, refusal};
 use base::number::significant;

@@ -1,12 +1,17 @@
 //! Shear of a square of film that is stretched along its diagonal (equations 4 to 8).
 //!
 //! The four sides keep their length while the square becomes a rhombus with the angle ψ at the stretched corners.
+//! Where the fibres are known, they stretch as well (methods.md, equations 180 to 183): stress and strain are uniform in the
+//! coupon at 45°, and both fibre sets have the same stretch.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
+use std::fmt;
+use std::str::FromStr;
 
-use super::Curve;
 use super::curve::lengths;
-use crate::Error;
+use super::{Coupon, Curve, JITTER};
+use crate::error::{Error, refusal};
+use membrane::material;
 
 /// A square of film, unstretched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +79,141 @@ impl Shear {
     }
 }
 
+/// Largest |sin γ| at which the angle of a fabric is the arcsine (theory.md, equation 7).
+const LARGEST_SINE: f64 = 0.95;
+
+/// Halvings of the interval of fibre strains: to the last bit.
+const HALVINGS: usize = 60;
+
+/// How the curve of a coupon at 45° becomes a shear curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShearMethod {
+    /// Fibres stretch, and the sides of the coupon are free: a strip that is long for its width.
+    #[default]
+    Free,
+    /// Fibres stretch, and the jaws hold the width: a strip that is short for its width.
+    Held,
+    /// Fibres do not stretch: the rhombus of the paper's equations 4 to 8.
+    Rhombus,
+}
+
+impl ShearMethod {
+    /// All of them.
+    pub const ALL: [ShearMethod; 3] = [ShearMethod::Free, ShearMethod::Held, ShearMethod::Rhombus];
+
+    /// Its name in options.
+    pub fn name(self) -> &'static str {
+        match self {
+            ShearMethod::Free => "free",
+            ShearMethod::Held => "held",
+            ShearMethod::Rhombus => "rhombus",
+        }
+    }
+}
+
+impl fmt::Display for ShearMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for ShearMethod {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<ShearMethod, Error> {
+        let found = ShearMethod::ALL.into_iter().find(|method| method.name() == text);
+        found.ok_or_else(|| refusal!("expected free, held or rhombus, found `{text}`"))
+    }
+}
+
+/// The curves of both fibre sets.
+#[derive(Clone, Copy, Debug)]
+pub struct Fibres<'f> {
+    /// Along the machine direction.
+    pub md: &'f material::Curve,
+    /// Along the transverse direction.
+    pub td: &'f material::Curve,
+}
+
+impl Fibres<'_> {
+    /// Sum of both stresses at the common `strain`, Pa.
+    fn stress(&self, strain: f64) -> f64 {
+        self.md.stress(strain) + self.td.stress(strain)
+    }
+
+    /// Strain at which the first of them breaks.
+    fn end(&self) -> f64 {
+        self.md.end().min(self.td.end())
+    }
+
+    /// Shear angle γ (rad) and shear stress τ (Pa) of a coupon with free sides at the engineering `strain` and `stress`
+    /// (Pa), by equations 181 and 182; none past the break of the fibres, or where the fibres nearly coincide.
+    pub fn free(&self, strain: f64, stress: f64) -> Option<[f64; 2]> {
+        let along = 1.0 + strain;
+        let force = |fibre: f64| (1.0 + fibre) * self.stress(fibre);
+        let [mut low, mut high] = [0.0, self.end()];
+        if force(high) < along * stress {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if force(middle) < along * stress {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let fibre = 1.0 + high;
+        let across = (2.0 * fibre * fibre - along * along).max(0.0).sqrt();
+        sheared((along / fibre).powi(2) - 1.0, 0.5 * stress * across)
+    }
+
+    /// Shear angle and stress of a coupon whose width is held, by equation 183.
+    pub fn held(&self, strain: f64, stress: f64) -> Option<[f64; 2]> {
+        let along = 1.0 + strain;
+        let squared = 0.5 * (along * along + 1.0);
+        let fibre = squared.sqrt();
+        if fibre - 1.0 > self.end() {
+            return None;
+        }
+        let of_fibres = self.stress(fibre - 1.0) * along / (2.0 * fibre);
+        sheared(along * along / squared - 1.0, squared * (stress - of_fibres))
+    }
+}
+
+fn sheared(sine: f64, stress: f64) -> Option<[f64; 2]> {
+    (sine.abs() <= LARGEST_SINE).then(|| [sine.asin(), stress])
+}
+
+impl Coupon {
+    /// Shear of the film from a `curve` recorded at 45° (D3) by `method`; samples beyond what it can follow are cut off
+    /// and counted.
+    ///
+    /// # Errors
+    /// Samples that make no [`Curve`].
+    pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, Error> {
+        let state = match method {
+            ShearMethod::Rhombus => return self.shear(curve),
+            ShearMethod::Free => Fibres::free,
+            ShearMethod::Held => Fibres::held,
+        };
+        let states = curve.samples().map_while(|[strain, stress]| state(&fibres, strain, stress));
+        let (mut angle, mut stress): (Vec<f64>, Vec<f64>) = states.map(|[angle, stress]| (angle, stress)).unzip();
+        // Fibres that yield may stretch faster than the coupon, whose angle then falls by more than its jitter.
+        let jitter = JITTER * angle.iter().fold(0.0_f64, |most, angle| most.max(*angle));
+        let mut largest = f64::NEG_INFINITY;
+        let falls = angle.iter().position(|angle| {
+            largest = largest.max(*angle);
+            *angle < largest - jitter
+        });
+        let length = falls.unwrap_or(angle.len());
+        angle.truncate(length);
+        stress.truncate(length);
+        let cut = curve.strain().len() - angle.len();
+        Ok(Shear { curve: Curve::new(angle, stress)?, cut })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,5 +257,80 @@ mod tests {
         let closed = Square::with_diagonal(5e-3, 12e-6);
         let [angle, _] = closed.state(1.0, closed.limit()).unwrap();
         assert!((angle - FRAC_PI_2).abs() < 1e-7);
+    }
+
+    fn curves() -> [material::Curve; 2] {
+        [vec![[0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]], vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]]
+            .map(|points| material::Curve::new(points).unwrap())
+    }
+
+    /// Uniform stretches `along` and `across` of a fabric with the shear curve `tau`: stress along and across over the
+    /// stress-free sections, by differences of the energy (theory.md, equations 4 and 5).
+    fn stresses(fibres: Fibres, tau: &material::Curve, along: f64, across: f64) -> [f64; 2] {
+        let energy = |along: f64, across: f64| {
+            let squared = 0.5 * (along * along + across * across);
+            let (fibre, sine) = (squared.sqrt() - 1.0, 0.5 * (along * along - across * across) / squared);
+            fibres.md.energy(fibre) + fibres.td.energy(fibre) + tau.energy(sine.asin())
+        };
+        let step = 1e-6;
+        [
+            (energy(along + step, across) - energy(along - step, across)) / (2.0 * step),
+            (energy(along, across + step) - energy(along, across - step)) / (2.0 * step),
+        ]
+    }
+
+    #[test]
+    fn angle_and_stress_are_those_of_the_law() {
+        let [md, td] = curves();
+        let tau = material::Curve::new(vec![[0.2, 3e6], [0.7, 6e6]]).unwrap();
+        let fibres = Fibres { md: &md, td: &td };
+        for along in [1.02, 1.15, 1.4, 1.6] {
+            let angle = |across: f64| ((along * along - across * across) / (along * along + across * across)).asin();
+            // The width at which nothing acts across, by halving.
+            let [mut low, mut high] = [0.6, 1.3];
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if stresses(fibres, &tau, along, middle)[1] > 0.0 { high = middle } else { low = middle }
+            }
+            for (across, state) in [(low, Fibres::free as fn(&_, _, _) -> _), (1.0, Fibres::held)] {
+                let stress = stresses(fibres, &tau, along, across)[0];
+                let found: Option<[f64; 2]> = state(&fibres, along - 1.0, stress);
+                let [found, shear] = found.unwrap();
+                assert!((found - angle(across)).abs() < 1e-5, "{along}: {found}");
+                assert!((shear / tau.stress(found) - 1.0).abs() < 1e-3, "{along}: {shear}");
+            }
+        }
+    }
+
+    /// With fibres that hardly stretch, the work of shear per stress-free volume is left: half of the paper's shear
+    /// stress times cos γ, since the sides of a square within the coupon carry tension of the fibres besides shear.
+    #[test]
+    fn of_stiff_fibres_the_angle_is_that_of_the_rhombus() {
+        let stiff = material::Curve::new(vec![[1.0, 1e15]]).unwrap();
+        let fibres = Fibres { md: &stiff, td: &stiff };
+        for strain in [0.05, 0.2, 0.3] {
+            let [angle, stress] = fibres.free(strain, 5e6).unwrap();
+            let sine: f64 = (1.0 + strain) * (1.0 + strain) - 1.0;
+            assert!((angle - sine.asin()).abs() < 1e-6, "{strain}: {angle}");
+            let rhombus = 5e6 / (1.0 + strain);
+            assert!((stress / (0.5 * rhombus * angle.cos()) - 1.0).abs() < 1e-6, "{strain}: {stress}");
+        }
+    }
+
+    #[test]
+    fn a_coupon_stronger_than_its_fibres_ends_with_them() {
+        let [md, td] = curves();
+        let fibres = Fibres { md: &md, td: &td };
+        assert_eq!(fibres.free(0.5, 1e9), None);
+        assert_eq!(fibres.held(2.5, 1e6), None);
+        let coupon = Coupon::new(5e-3, 10e-3, 12e-6).unwrap();
+        let curve = Curve::new(vec![0.0, 0.1, 0.2, 0.9], vec![0.0, 3e6, 5e6, 1e9]).unwrap();
+        let sheared = coupon.shear_by(ShearMethod::Free, &curve, fibres).unwrap();
+        assert_eq!((sheared.curve.strain().len(), sheared.cut), (3, 1));
+        assert_eq!(
+            "sheared".parse::<ShearMethod>().unwrap_err().to_string(),
+            "expected free, held or rhombus, found `sheared`"
+        );
+        assert!(ShearMethod::ALL.iter().all(|method| method.name().parse() == Ok(*method)));
     }
 }

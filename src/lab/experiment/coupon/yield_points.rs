@@ -3,7 +3,7 @@ use crate::error::{Error, refusal};
 use crate::experiment::fit::least_squares;
 
 /// Fewest samples that a broken line is fitted to.
-const FEWEST_SAMPLES: usize = 20;
+const FEWEST_BENT: usize = 20;
 
 /// A bend counts where it lowers the distance of broken line and curve by this factor at least.
 const GAIN: f64 = 0.75;
@@ -92,9 +92,9 @@ impl Scatter {
     fn beyond(curve: &Curve, [strain, stress]: [f64; 2]) -> Result<Scatter, Error> {
         let samples = curve.samples().map(|[e, s]| [e - strain, s - stress]).filter(|[e, _]| *e > 0.0);
         let samples: Vec<[f64; 2]> = samples.collect();
-        if samples.len() < FEWEST_SAMPLES {
+        if samples.len() < FEWEST_BENT {
             let found = samples.len();
-            return Err(refusal!("{found} samples beyond the elastic part, where yield points need {FEWEST_SAMPLES}"));
+            return Err(refusal!("{found} samples beyond the elastic part, where yield points need {FEWEST_BENT}"));
         }
         let end = samples[samples.len() - 1][0];
         let place = |i: usize| samples[i][0];
@@ -185,6 +185,118 @@ fn lengths<const P: usize, const B: usize>(strain: f64, bends: &[f64; B]) -> [f6
 fn best<const P: usize, const B: usize>(lines: impl Iterator<Item = Broken<P, B>>) -> Broken<P, B> {
     let none = Broken { bends: [0.0; B], slopes: [0.0; P], residual: f64::INFINITY };
     lines.fold(none, |best, line| if line.residual < best.residual { line } else { best })
+}
+
+/// Strains between which the modulus is fitted by default: the elastic part of a polyethylene film.
+pub const WINDOW: [f64; 2] = [0.0, 0.04];
+
+/// Fewest samples that a slope is fitted to.
+pub const FEWEST_SAMPLES: usize = 3;
+
+/// The straight line that fits the elastic part of a curve best.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulus {
+    /// Young's modulus E, Pa.
+    pub slope: f64,
+    /// Stress of the line at zero strain, Pa: not zero after an offset of the load cell or slack.
+    pub intercept: f64,
+    /// Samples in the window.
+    pub samples: usize,
+}
+
+impl Modulus {
+    /// Stress of the line at `strain`, Pa.
+    pub fn stress(&self, strain: f64) -> f64 {
+        self.intercept + self.slope * strain
+    }
+}
+
+impl Curve {
+    /// Young's modulus (equation 2): slope of the least-squares line through the samples with `from <= strain <= to`.
+    ///
+    /// The line need not go through the origin, so that neither an offset of the load cell nor slack changes it.
+    pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, Error> {
+        if !(from.is_finite() && to.is_finite() && from < to) {
+            return Err(refusal!("expected a window of strain, found {from} to {to}"));
+        }
+        let inside: Vec<[f64; 2]> = self.samples().filter(|[strain, _]| (from..=to).contains(strain)).collect();
+        let too_few = || {
+            let found = inside.len();
+            refusal!("{found} samples between the strains {from} and {to}, where a slope needs {FEWEST_SAMPLES}")
+        };
+        let line = if inside.len() < FEWEST_SAMPLES { None } else { line(&inside) };
+        let modulus = line.ok_or_else(too_few)?;
+        if modulus.slope > 0.0 {
+            return Ok(modulus);
+        }
+        Err(refusal!("stress does not rise between the strains {from} and {to}").with_hint(
+            "force and displacement count above zero in tension: change the sign of a channel that falls, or give other \
+             strains by --window",
+        ))
+    }
+}
+
+/// The line through `points`; none where they lie at one abscissa.
+fn line(points: &[[f64; 2]]) -> Option<Modulus> {
+    let [start, end] = [points.first()?[0], points.last()?[0]];
+    let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+    // Strain from the middle in halves of the interval: columns of one magnitude.
+    let rows = points.iter().map(|[strain, stress]| ([1.0, (strain - middle) / half], *stress));
+    let ([stress, rise], _) = least_squares(rows)?;
+    let slope = rise / half;
+    Some(Modulus { slope, intercept: stress - slope * middle, samples: points.len() })
+}
+
+/// Share of the largest force below which a coupon counts as broken, by default.
+pub const BREAK_SHARE: f64 = 0.5;
+
+/// How and where a coupon's curve ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rupture {
+    /// Break elongation: engineering strain of the last sample before the force collapsed.
+    pub strain: f64,
+    /// Nominal stress there, Pa.
+    pub stress: f64,
+    /// Tensile strength: the largest nominal stress, Pa.
+    pub strength: f64,
+    /// Its end.
+    pub ending: CurveEnd,
+}
+
+/// The end of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveEnd {
+    /// The force fell below the share of its largest value.
+    Broke,
+    /// The recording ended under load.
+    RecordEnded,
+}
+
+impl Curve {
+    /// Where the coupon broke: from the first sample after the largest force that lies below `share` of it, back to
+    /// where that fall began; the end of the record where there is none.
+    pub fn rupture(&self, share: f64) -> Result<Rupture, Error> {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(refusal!(
+                "the share of the largest force at which a coupon is broken lies between 0 and 1, not at {share}"
+            ));
+        }
+        let stress = self.stress();
+        let peak = (0..stress.len()).max_by(|a, b| stress[*a].total_cmp(&stress[*b])).unwrap_or(0);
+        if peak == 0 || stress[peak] <= 0.0 {
+            return Err(refusal!("the force never rises: its largest value is the first"));
+        }
+        let collapsed = (peak..stress.len()).find(|i| stress[*i] < share * stress[peak]);
+        let (last, ending) = match collapsed {
+            Some(index) => (start_of_fall(stress, index), CurveEnd::Broke),
+            None => (stress.len() - 1, CurveEnd::RecordEnded),
+        };
+        Ok(Rupture { strain: self.strain()[last], stress: stress[last], strength: stress[peak], ending })
+    }
+}
+
+fn start_of_fall(stress: &[f64], from: usize) -> usize {
+    (1..=from).rev().find(|i| stress[i - 1] <= stress[*i]).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -286,5 +398,67 @@ mod tests {
         let short = sampled(&MD, 15, |_| 0.0);
         let few = yield_points(&short, [0.0, 0.2]).unwrap_err();
         assert!(few.message().starts_with("13 samples beyond the elastic part"), "{few}");
+    }
+
+    fn bent(offset: f64) -> Curve {
+        let strain: Vec<f64> = (0..=100).map(|i| 0.001 * f64::from(i)).collect();
+        let stress = strain.iter().map(|e| offset + 50e6 * e.min(0.04) + 20e6 * (e - 0.04).max(0.0)).collect();
+        Curve::new(strain, stress).unwrap()
+    }
+
+    #[test]
+    fn the_modulus_is_the_slope_of_the_elastic_part_with_any_offset() {
+        for offset in [0.0, 0.3e6, -1e6] {
+            let modulus = bent(offset).modulus(WINDOW).unwrap();
+            assert!((modulus.slope / 50e6 - 1.0).abs() < 1e-9, "{modulus:?}");
+            assert!((modulus.intercept - offset).abs() < 1.0, "{modulus:?}");
+        }
+        let beyond = bent(0.0).modulus([0.05, 0.1]).unwrap();
+        assert!((beyond.slope / 20e6 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn windows_without_a_slope_are_refused() {
+        let refused = |curve: &Curve, window| curve.modulus(window).unwrap_err().to_string();
+        let too_few = "2 samples between the strains 0 and 0.0015, where a slope needs 3";
+        assert_eq!(refused(&bent(0.0), [0.0, 0.0015]), too_few);
+        assert_eq!(refused(&bent(0.0), [0.1, 0.0]), "expected a window of strain, found 0.1 to 0");
+        let slack = Curve::new(vec![0.0, 0.01, 0.02], vec![0.0; 3]).unwrap();
+        assert_eq!(refused(&slack, WINDOW), "stress does not rise between the strains 0 and 0.04");
+    }
+
+    fn curve(stress: &[f64]) -> Curve {
+        Curve::new((0..stress.len()).map(|i| 0.1 * i as f64).collect(), stress.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn the_break_is_where_the_force_begins_to_fall() {
+        let rupture = curve(&[0.0, 5.0, 9.0, 10.0, 6.0, 3.0, 0.1]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.strength, rupture.ending), (10.0, 10.0, CurveEnd::Broke));
+        assert!((rupture.strain - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_yield_drop_is_no_break() {
+        let rupture = curve(&[0.0, 10.0, 7.0, 7.5, 9.0, 0.2]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.strength), (9.0, 10.0));
+    }
+
+    #[test]
+    fn a_record_may_end_before() {
+        let rupture = curve(&[0.0, 5.0, 9.0]).rupture(BREAK_SHARE).unwrap();
+        assert_eq!((rupture.stress, rupture.ending), (9.0, CurveEnd::RecordEnded));
+    }
+
+    #[test]
+    fn a_force_that_never_rises_is_refused() {
+        for (stress, share, expected) in [
+            (&[3.0, 2.0, 1.0][..], BREAK_SHARE, "the force never rises"),
+            (&[-3.0, -2.0, -1.0], BREAK_SHARE, "the force never rises"),
+            (&[0.0, 1.0], 1.5, "the share of the largest force at which a coupon is broken"),
+        ] {
+            let error = curve(stress).rupture(share).unwrap_err().to_string();
+            assert!(error.starts_with(expected), "{error}");
+        }
     }
 }

@@ -1,13 +1,14 @@
 //! What a recording holds of a drop: which channels are the accelerometer and the laser, and what its header states about
-//! the tower.
+//! the tower; what a reading lacks: gaps, bridged by straight lines, and the end of the accelerometer's range.
 
 use super::reduce::reduce;
 use super::result::Drop;
 use super::{Class, Reduction, Tower};
 use crate::error::{Error, refusal};
 use crate::experiment::Warning;
-use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations};
+use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations, gap};
 use base::diagnostic::listed;
+use base::number::clean_time;
 use base::units::{Acceleration, Dimension, Length, Mass, UnitError};
 
 /// Channels as the user names them.
@@ -134,6 +135,160 @@ fn unless_given(line: Option<Result<f64, Error>>, given: Option<f64>) -> Result<
     }
 }
 
+/// A gap between two measured samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gap {
+    /// Time of the last measured sample before it, s.
+    after: f64,
+    /// Time to the next measured sample, s.
+    duration: f64,
+}
+
+/// A reading without the gaps that were to be bridged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bridged {
+    /// On the times of the reading and, where rows were missing, on times at its usual step between them.
+    pub series: Series,
+    /// Report of the gaps that were bridged.
+    pub warning: Option<Warning>,
+}
+
+/// Bridges gaps of `reading` that last `longest` s or less, and the samples within `masks` ([from, to], s) whatever
+/// their duration: of a gap beside a mask only the part outside the masks counts. Samples without value before the
+/// first measured one and after the last are left out.
+pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
+    let is_masked = |t: f64| masks.iter().any(|[from, to]| (*from..=*to).contains(&t));
+    let measured: Vec<[f64; 2]> = reading.samples().filter(|[t, value]| value.is_finite() && !is_masked(*t)).collect();
+    let step = gap::usual_step(reading.time());
+    let (mut time, mut values, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
+    for pair in measured.windows(2) {
+        let [[from, first], [to, last]] = [pair[0], pair[1]];
+        time.push(from);
+        values.push(first);
+        let between = between(reading.time(), [from, to], step);
+        let gap = Gap { after: from, duration: clean_time(to - from) };
+        if between.is_empty() {
+            continue;
+        }
+        let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
+        gaps.extend(is_bridged.then_some(gap));
+        let value = |t: f64| if is_bridged { first + (last - first) * (t - from) / (to - from) } else { f64::NAN };
+        values.extend(between.iter().map(|t| value(*t)));
+        time.extend(between);
+    }
+    time.extend(measured.last().map(|[t, _]| *t));
+    values.extend(measured.last().map(|[_, value]| *value));
+    let longest = gaps.iter().copied().max_by(|a, b| a.duration.total_cmp(&b.duration));
+    let warning = longest.map(|Gap { after, duration }| Warning::GapBridged { count: gaps.len(), after, duration });
+    Bridged { series: Series::new(time, values), warning }
+}
+
+/// Duration of what is missing outside `masks` between two neighbouring measured samples, s; `missing` are the times
+/// without value between them.
+fn outside(missing: &[f64], [from, to]: [f64; 2], masks: &[[f64; 2]]) -> f64 {
+    let mut masks: Vec<[f64; 2]> = masks.iter().copied().filter(|mask| mask[1] > from && mask[0] < to).collect();
+    masks.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    masks.push([to, to]);
+    let mut free = from;
+    let stretches = masks.into_iter().map(|[start, end]| {
+        let stretch = [free, start];
+        free = free.max(end);
+        stretch
+    });
+    let is_missing = |[start, end]: &[f64; 2]| missing.iter().any(|t| start < t && t < end);
+    stretches.filter(is_missing).map(|[start, end]| end - start).sum()
+}
+
+/// Duration of the longest gap of `reading`, s; none without a gap between measured samples.
+pub fn longest_gap(reading: &Series) -> Option<f64> {
+    let measured: Vec<f64> = reading.samples().filter(|[_, value]| value.is_finite()).map(|[t, _]| t).collect();
+    let step = gap::usual_step(reading.time());
+    let gaps = measured.windows(2).filter(|pair| !between(reading.time(), [pair[0], pair[1]], step).is_empty());
+    gaps.map(|pair| clean_time(pair[1] - pair[0])).max_by(f64::total_cmp)
+}
+
+/// Times between two neighbouring measured samples at which a value is missing: those of `time`, or in steps where rows
+/// are missing.
+fn between(time: &[f64], [from, to]: [f64; 2], step: f64) -> Vec<f64> {
+    let empty = &time[time.partition_point(|t| *t <= from)..time.partition_point(|t| *t < to)];
+    let ends = [&[from], empty, &[to]].concat();
+    let mut times = Vec::new();
+    for pair in ends.windows(2) {
+        let count = if gap::is_hole(pair[1] - pair[0], step) { ((pair[1] - pair[0]) / step).round() } else { 1.0 };
+        let inner = (1..count as usize).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count);
+        times.extend(inner);
+        times.push(pair[1]);
+    }
+    times.pop();
+    times
+}
+
+/// Duration of a constant largest reading (s), and share of the pulse's width at half of it, beyond which it is the end
+/// of the range.
+const FLAT: f64 = 2e-3;
+const FLAT_SHARE: f64 = 0.1;
+/// So many times the duration for which the steps of the converter hold the reading at the top of a pulse.
+const BEYOND_STEPS: f64 = 2.5;
+/// Share of all that was read below which two values are the same but for the rounding of their units.
+const ROUNDING: f64 = 1e-9;
+/// Fewest samples of such a reading.
+const FEWEST: usize = 5;
+
+/// Samples at the end of the range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Clipping {
+    /// The reading, m/s².
+    pub level: f64,
+    /// Time of the first of them, s.
+    pub start: f64,
+    /// Duration of the longest run of them, s.
+    pub duration: f64,
+}
+
+impl Clipping {
+    /// The clipping of an evenly sampled `reading` (m/s²) from `contact` (s) on: a largest value that stays for longer
+    /// than the steps of the reading explain.
+    pub(super) fn find(reading: &Series, contact: f64) -> Option<Clipping> {
+        let impact = reading.window([contact, f64::INFINITY]);
+        let [start, level] = impact.largest()?;
+        let (time, values) = (impact.time(), impact.values());
+        let runs = values.chunk_by(|a, b| a == b).scan(0, |first, run| {
+            *first += run.len();
+            Some([*first - run.len(), *first - 1])
+        });
+        let flat = runs.filter(|[first, last]| values[*first] == level && last - first + 1 >= FEWEST);
+        let [first, last] = flat.max_by_key(|[first, last]| last - first)?;
+        let duration = time[last] - time[first];
+        let width = width(&impact, [first, last], 0.5 * level);
+        let explained = width * (2.0 * quantum(reading.values()) / level).sqrt();
+        (duration > FLAT.min(FLAT_SHARE * width).max(BEYOND_STEPS * explained)).then_some(Clipping {
+            level,
+            start,
+            duration,
+        })
+    }
+}
+
+/// Duration for which the `pulse` stays at `level` (m/s²) or above about the samples `[first, last]`, s.
+fn width(pulse: &Series, [first, last]: [usize; 2], level: f64) -> f64 {
+    let (time, values) = (pulse.time(), pulse.values());
+    let before = values[..first].iter().rposition(|value| *value < level).map_or(0, |below| below + 1);
+    let after = values[last..].iter().position(|value| *value < level).map_or(values.len(), |below| last + below);
+    time[after - 1] - time[before]
+}
+
+/// The smallest distance of two of the `values`, beyond their rounding: one step of the converter, m/s².
+///
+/// The top of a pulse is a parabola whose width grows with the root of the depth below it, so that a step q holds a
+/// reading of level L, of width w at L/2, for w √(2q/L).
+fn quantum(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rounding = ROUNDING * sorted.last().zip(sorted.first()).map_or(0.0, |(most, least)| most - least);
+    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| *step > rounding).fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,5 +361,99 @@ mod tests {
             "its header: expected a length, found \"3 kg\"; write `height: 1 m`"
         );
         assert_eq!(of(&wrong, both), Ok(none), "what is given takes the place of both");
+    }
+
+    fn line(time: &[f64]) -> Series {
+        Series::new(time, time.iter().map(|t| 2.0 * t).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn empty_samples_and_missing_rows_are_bridged_by_a_line() {
+        let whole = line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let missing = line(&[0.0, 1.0, 2.0, 6.0]);
+        let steps = line(&[0.0, 1.0, 2.0, 3.0]);
+        let rows = line(&[0.0, 1.0, 2.0, 3.0, 4.0, 8.0, 9.0]);
+        let empty = whole.with_values(whole.samples().map(|[t, v]| if t == 2.0 { f64::NAN } else { v }).collect());
+        let spike = whole.with_values(whole.samples().map(|[t, v]| if t == 3.0 { 99.0 } else { v }).collect());
+        assert_eq!(bridged(&empty, 2.0, &[]).series, whole);
+        assert_eq!(
+            bridged(&empty, 2.0, &[]).warning,
+            Some(Warning::GapBridged { count: 1, after: 1.0, duration: 2.0 })
+        );
+        assert_eq!(bridged(&rows, 4.0, &[]).series, line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]));
+        assert_eq!(bridged(&missing, 4.0, &[]).series, whole);
+        assert_eq!(bridged(&spike, 0.0, &[[2.5, 3.5]]).series, whole);
+        assert_eq!(bridged(&steps, 9.0, &[]), Bridged { series: steps, warning: None });
+    }
+
+    #[test]
+    fn a_mask_bridges_nothing_outside_itself() {
+        let none = f64::NAN;
+        let time: Vec<f64> = (0..12).map(f64::from).collect();
+        let beside = Series::new(time.clone(), vec![0., 1., 2., 99., none, none, none, none, none, 9., 10., 11.]);
+        let whole = line(&time).with_values(time.clone());
+        let is_bridged = |longest, masks: &[[f64; 2]]| bridged(&beside, longest, masks).series == whole;
+        assert!(!is_bridged(0.0, &[[2.5, 3.5]]) && !is_bridged(5.4, &[[2.5, 3.5]]));
+        assert!(is_bridged(5.5, &[[2.5, 3.5]]));
+        assert!(is_bridged(0.0, &[[2.5, 8.5]]) && is_bridged(0.0, &[[2.5, 5.0], [5.0, 8.5]]));
+        assert!(is_bridged(0.0, &[[5.5, 8.5], [2.5, 6.5]]) && is_bridged(2.0, &[[2.5, 4.5], [6.5, 8.5]]));
+        assert!(!is_bridged(1.9, &[[2.5, 4.5], [6.5, 8.5]]));
+        let rows = Series::new(vec![0.0, 1.0, 2.0, 3.0, 9.0, 10.0, 11.0], vec![0.0, 1.0, 2.0, 99.0, 9.0, 10.0, 11.0]);
+        assert!(gap::first(&bridged(&rows, 5.0, &[[2.5, 3.5]]).series).is_some());
+        assert_eq!(bridged(&rows, 5.5, &[[2.5, 3.5]]).series, whole);
+    }
+
+    #[test]
+    fn longer_gaps_stay() {
+        let empty = Series::new(vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![0.0, 1.0, f64::NAN, f64::NAN, 4.0]);
+        assert_eq!(longest_gap(&empty), Some(3.0));
+        let Bridged { series, warning } = bridged(&empty, 2.9, &[]);
+        assert!(warning.is_none() && gap::first(&series).is_some());
+        assert_eq!(longest_gap(&line(&[0.0, 1.0, 2.0])), None);
+    }
+
+    /// Contact of the pulses, s.
+    const CONTACT: f64 = 0.1;
+
+    /// Half a sine of 100 m/s², sampled at 10 kHz with a resolution of `step` (m/s²), after a rest that changes by one
+    /// step at times.
+    fn pulse(duration: f64, range: f64, step: f64) -> Series {
+        let time: Vec<f64> = (0..3000).map(|i| 1e-4 * f64::from(i)).collect();
+        let value = |t: f64| 100.0 * (std::f64::consts::PI * (t - CONTACT) / duration).sin();
+        let rest = |t: f64| if t < CONTACT && (1e4 * t).round() % 7.0 == 0.0 { step } else { 0.0 };
+        let value = |t: f64| if (CONTACT..CONTACT + duration).contains(&t) { value(t).min(range) } else { rest(t) };
+        let values: Vec<f64> = time.iter().map(|t| (value(*t) / step).round() * step).collect();
+        Series::new(time, values)
+    }
+
+    #[test]
+    fn short_pulses_and_long_ones_are_clipped_alike() {
+        for duration in [0.005, 0.02, 0.06] {
+            assert_eq!(Clipping::find(&pulse(duration, 200.0, 0.25), CONTACT), None, "{duration} s");
+            let clipped = Clipping::find(&pulse(duration, 90.0, 0.25), CONTACT).unwrap();
+            assert!(clipped.level == 90.0 && (clipped.duration / duration - 0.287).abs() < 0.03, "{clipped:?}");
+        }
+    }
+
+    #[test]
+    fn the_steps_of_a_coarse_converter_are_not_the_end_of_its_range() {
+        for (duration, step) in [(0.06, 1.0), (0.06, 4.0), (0.02, 5.0), (0.15, 0.5)] {
+            let whole = pulse(duration, 200.0, step);
+            assert_eq!(Clipping::find(&whole, CONTACT), None, "{duration} s in steps of {step} m/s²");
+        }
+        for (duration, step) in [(0.06, 1.0), (0.06, 2.0), (0.02, 2.0), (0.15, 0.5)] {
+            let clipped = Clipping::find(&pulse(duration, 70.0, step), CONTACT).unwrap();
+            assert!(clipped.level == 70.0 && clipped.start > CONTACT, "{clipped:?}");
+        }
+    }
+
+    /// The magnet's knock reaches the end of the range too.
+    #[test]
+    fn a_knock_before_contact_hides_no_clipping() {
+        let clipped = pulse(0.02, 90.0, 0.25);
+        let knock = |[t, value]: [f64; 2]| if (0.05..0.051).contains(&t) { 90.0 } else { value };
+        let knocked = clipped.with_values(clipped.samples().map(knock).collect());
+        assert_eq!(Clipping::find(&knocked, CONTACT), Clipping::find(&clipped, CONTACT));
+        assert!(Clipping::find(&knocked, CONTACT).is_some());
     }
 }

@@ -2,9 +2,7 @@
 
 mod channels;
 mod fit;
-mod impact;
 mod model;
-mod reading;
 mod recording;
 #[cfg(test)]
 mod recordings_tests;
@@ -16,8 +14,7 @@ mod tests;
 
 use crate::experiment::absorption::Body;
 
-pub use channels::{ChannelNames, DropChannels, Stated};
-pub use reading::{Bridged, bridged, longest_gap};
+pub use channels::{Bridged, ChannelNames, DropChannels, Stated, bridged, longest_gap};
 pub use reduce::reduce;
 pub use release::{GravityRamp, Release};
 pub use result::{Contact, Drop, Figures, Input, Intervals, Landmarks, SpeedSource};

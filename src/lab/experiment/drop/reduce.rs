@@ -1,21 +1,18 @@
 //! From the readings of the sensors to contact, speed, travel and energies: a recording, a fit of its model, the figures.
 
+use super::channels::Clipping;
 use super::fit::{self, Fit};
-use super::impact::{self, Impact};
 use super::model::{Model, Unknowns, of};
-use super::reading::Clipping;
 use super::recording::Recorded;
-use super::release::{GravityRamp, Release};
+use super::release::{self, GravityRamp, Impact, Release};
 use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
 use super::{Class, Correction, Known, Reduction, Tower};
 use crate::error::{Error, Kind, refusal};
-use crate::experiment::Warning;
 use crate::experiment::absorption::{energy_absorption, film_absorption as film_absorption_by};
-use crate::experiment::coupling;
+use crate::experiment::{Warning, coupling};
 use crate::signal::column::Column;
 use crate::signal::filter::{self, ChannelFilter, Standard};
-use crate::signal::resample;
-use crate::signal::{Recording, Series, column, gap};
+use crate::signal::{Recording, Series, column, gap, resample};
 use base::number::significant;
 use membrane::engine::GuideFriction;
 
@@ -277,7 +274,7 @@ pub(super) fn finish(
         }
         None => acceleration.clone(),
     };
-    let signals = impact::signals(&acceleration, &filtered, &contact, body)?;
+    let signals = release::signals(&acceleration, &filtered, &contact, body)?;
     let channel = |column: Column| signals.channel(column.name).unwrap_or_default();
     let [velocity, displacement] = [channel(column::VELOCITY), channel(column::DISPLACEMENT)];
     // A peak that is cut off is missing in every later speed, and so in the energy after the rebound.
@@ -312,7 +309,7 @@ pub(super) fn finish(
         energy_absorption: rebounds,
         absorption_interval: intervals.as_ref().and_then(|all| all.energy_absorption),
     };
-    let doubts = impact::warnings(&impact, &recorded.reading, recorded.release.rest_end);
+    let doubts = release::warnings(&impact, &recorded.reading, recorded.release.rest_end);
     let warnings = [
         friction.faster(tower),
         without_laser(speed_from),
@@ -337,7 +334,7 @@ pub(super) fn finish(
         class,
         energy_absorption: rebounds,
         film_absorption,
-        total_energy_drift: impact::drift(channel(column::TOTAL_ENERGY)),
+        total_energy_drift: release::drift(channel(column::TOTAL_ENERGY)),
         clipped_from: clipping.map(|clipping| clipping.start - time),
         signals,
         warnings,

@@ -4,16 +4,10 @@
 
 mod data_set;
 pub mod hyperelastic;
-mod options;
-mod reading;
 mod result;
-mod test_kind;
 mod warning;
 
-pub use data_set::{BiaxialPoint, DataSet, Measured, range};
+pub use data_set::{BiaxialPoint, DataSet, Measured, StressReader, TestKind, range};
 pub use hyperelastic::fit_law;
-pub use options::{FitOptions, Weighting};
-pub use reading::StressReader;
-pub use result::{Coefficient, LawFit, Quality, TestFit};
-pub use test_kind::TestKind;
+pub use result::{Coefficient, FitOptions, LawFit, Quality, TestFit, Weighting};
 pub use warning::{CODES, Warning};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::error::{Error, refusal};
-use crate::signal::channel_fault::{not_a_number, not_finite};
+use crate::signal::measurement::{not_a_number, not_finite};
 use crate::signal::text::Line;
 use base::units::Unit;
 

@@ -6,8 +6,8 @@ use std::io::BufRead;
 
 use super::cell::{Cell, Mark, Separator, at_cell};
 use crate::error::{Error, Kind, refusal};
-use crate::signal::channel_fault::{not_a_time, other_unit};
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
+use crate::signal::measurement::not_a_time;
 use crate::signal::text::{Line, Lines};
 use crate::signal::{Annotations, ReadOptions, Warning, measurement};
 use base::diagnostic::listed;
@@ -113,13 +113,8 @@ impl Layout {
 
     fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Error> {
         let column = &self.columns[place];
-        let named = options.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
-        match (&column.unit, named.map(|(_, unit)| unit).or(other)) {
-            (Some(file), Some(given)) if file != given => {
-                Err(self.at_column(place, other_unit(&column.name, file.symbol(), given.symbol())))
-            }
-            (file, given) => Ok(file.as_ref().or(given).cloned()),
-        }
+        let unit = options.unit([&column.name, &column.label], column.unit.as_ref(), other, &column.name);
+        unit.map_err(|error| self.at_column(place, error))
     }
 
     /// The place of the column called `name`.

@@ -15,8 +15,8 @@ use std::path::Path;
 use ::csv::WriterBuilder;
 
 use crate::error::{Error, refusal};
-use crate::signal::channel_fault::{MOST_VALUES, not_increasing, not_one};
 use crate::signal::column_name::ColumnName;
+use crate::signal::measurement::{MOST_VALUES, not_increasing, not_one};
 use crate::signal::text::{self, Line, Lines};
 use crate::signal::{
     Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,

@@ -5,8 +5,8 @@ use super::head::{self, Head};
 use super::words::{Key, is_displacement, is_force, is_specimen, key};
 use super::{Content, Row, Rows, Specimen, Stated, TextRow};
 use crate::error::{Error, refusal};
-use crate::signal::channel_fault::MOST_VALUES;
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
+use crate::signal::measurement::MOST_VALUES;
 
 /// Rows of numbers under one header.
 struct Block {

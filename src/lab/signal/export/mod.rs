@@ -13,9 +13,9 @@ mod words;
 use std::io::BufRead;
 use std::path::Path;
 
-use super::channel_fault::MOST_VALUES;
 use super::column_name::ColumnName;
 use super::csv::{Mark, Separator};
+use super::measurement::MOST_VALUES;
 use super::text::{self, Lines};
 use crate::error::{Error, refusal};
 use words::Key;

@@ -3,7 +3,7 @@
 use super::files::{Member, MemberLines};
 use crate::error::{Error, refusal};
 use crate::signal::Warning;
-use crate::signal::channel_fault::{MOST_VALUES, not_a_number, not_a_time, not_finite, not_increasing};
+use crate::signal::measurement::{MOST_VALUES, not_a_number, not_a_time, not_finite, not_increasing};
 use crate::signal::text::Line;
 use base::units::{Time, Unit};
 

@@ -11,8 +11,7 @@ mod files;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::channel_fault::{not_one, other_unit};
-use super::measurement::find;
+use super::measurement::{find, no_unit, not_one};
 use super::warning::Extreme;
 use super::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning};
 use crate::error::{Error, refusal};
@@ -174,25 +173,14 @@ fn measured(
 
 /// The unit from the header or the caller; both where they agree. A warning where it is not known.
 fn unit(head: &ChannelHead, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Option<Unit>, Error> {
-    let named = options.units.iter().find(|(name, _)| *name == head.name || *name == head.label);
-    let given = named.map(|(_, unit)| unit).or(options.unit.as_ref());
     let symbol = head.header.text("Unit");
     let file = symbol.and_then(|symbol| Unit::parse(symbol).ok());
-    match (file, given) {
-        (Some(file), Some(given)) if file != *given => {
-            Err(head.fault_at("Unit", other_unit(&head.name, file.symbol(), given.symbol())))
-        }
-        (Some(file), _) => Ok(Some(file)),
-        (None, Some(given)) => Ok(Some(given.clone())),
-        (None, None) => {
-            let channel = head.name.clone();
-            warnings.push(match symbol {
-                Some(unit) => Warning::UnknownUnit { channel, unit: unit.to_owned() },
-                None => Warning::NoUnit { channel },
-            });
-            Ok(None)
-        }
+    let unit = options.unit([&head.name, &head.label], file.as_ref(), options.unit.as_ref(), &head.name);
+    let unit = unit.map_err(|error| head.fault_at("Unit", error))?;
+    if unit.is_none() {
+        warnings.push(no_unit(&head.name, symbol));
     }
+    Ok(unit)
 }
 
 /// Time axes; those that several channels share are read once.

@@ -3,19 +3,20 @@
 //! Four ratings between 0 and 1 and their weighted sum, equation 64. The curves are compared at 10 kHz and equal
 //! length, as the specification requires; the warnings of the rating report how they were resampled.
 
-mod magnitude;
-mod phase;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
+use std::ops::Range;
 
-use self::magnitude::relative;
-use super::gap;
 use super::warning::Warning;
-use super::{Series, resample};
+use super::{Series, gap, resample};
 use crate::error::{Error, refusal};
+use base::cancellation::stop_if_cancelled;
 use base::number::{clean_time, significant};
+use membrane::lane::{LANES, Lane, Width, at_width, splat};
 
-pub use super::curve::Curve;
+pub use super::warning::Curve;
 
 /// Samples a second at which curves are rated.
 pub const RATE: f64 = 10_000.0;
@@ -100,7 +101,7 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, Error> {
     }
     let mut rating = rate_curves(&r, &c);
     rating.warnings = curves.into_iter().filter_map(|(curve, series)| change(curve, series, span, samples)).collect();
-    if phase::is_flat(&c) {
+    if is_flat(&c) {
         rating.warnings.push(Warning::ConstantCurve);
     }
     Ok(rating)
@@ -108,11 +109,11 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, Error> {
 
 /// The rating of curves of equal length at [`RATE`].
 fn rate_curves(reference: &[f64], comparison: &[f64]) -> Rating {
-    let shift = phase::best_shift(reference, comparison);
+    let shift = best_shift(reference, comparison);
     let [r, c] = shift.cut(reference, comparison);
     // Corridor and phase are of the whole curves, magnitude and slope of what the shift leaves.
     let (corridor, phase) = (corridor_rating(reference, comparison), shift.rating(reference.len()));
-    let (magnitude, slope) = (magnitude::rating(r, c), slope_rating(r, c));
+    let (magnitude, slope) = (magnitude_rating(r, c), slope_rating(r, c));
     let overall = 0.4 * corridor + 0.2 * phase + 0.2 * magnitude + 0.2 * slope;
     Rating {
         corridor,
@@ -191,9 +192,6 @@ fn change(curve: Curve, series: &Series, [from, to]: [f64; 2], samples: usize) -
     (series.len() != samples).then_some(Warning::CurveCut { curve, from, to })
 }
 
-#[cfg(test)]
-mod tests;
-
 /// Samples on each side of a moving average.
 const REACH: usize = 4;
 
@@ -238,4 +236,250 @@ fn corridor_rating(reference: &[f64], comparison: &[f64]) -> f64 {
         d => ((OUTER - d) / (OUTER - INNER)).powi(2),
     };
     reference.iter().zip(comparison).map(score).sum::<f64>() / reference.len() as f64
+}
+
+/// E_M: the relative difference of the curves when their time is warped, as a rating: 1 for none, 0 for a half.
+///
+/// Sakoe and Chiba, IEEE Transactions on Acoustics, Speech, and Signal Processing 26 (1978): squared differences, steps
+/// of (1, 0), (0, 1) and (1, 1) of equal weight, a band about the diagonal. The rating only needs two sums along the
+/// path, so they are computed with the costs from one antidiagonal of the band to the next, and no path is stored:
+/// memory is linear in the length.
+fn magnitude_rating(reference: &[f64], comparison: &[f64]) -> f64 {
+    let band = reference.len().div_ceil(10) - 1;
+    let [off, size] = warped(Width::best(), reference, comparison, band);
+    ((0.5 - relative(off, size)) / 0.5).max(0.0)
+}
+
+at_width! {
+    /// Sums of the absolute difference and of the absolute reference along the cheapest path.
+    fn warped[](reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] = warped_lanewise
+}
+
+#[inline(always)]
+fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
+    let count = comparison.len();
+    // The padding of the last lanes is computed and discarded.
+    let padding = [0.0; LANES];
+    let reversed: Vec<f64> = reference.iter().rev().chain(&padding).copied().collect();
+    let comparison: Vec<f64> = comparison.iter().chain(&padding).copied().collect();
+    // A diagonal step comes from the last antidiagonal but one.
+    let mut fronts = [Front::new(count), Front::new(count), Front::new(count)];
+    fronts[1].start(comparison[0] - reference[0], reference[0]);
+    for diagonal in 1..2 * count - 1 {
+        stop_if_cancelled();
+        let first = diagonal.saturating_sub(count - 1).max(diagonal.saturating_sub(band).div_ceil(2));
+        // In a band without width every other antidiagonal is empty.
+        let end = count.min(diagonal + 1).min((diagonal + band) / 2 + 1).max(first);
+        // Of the pairs of an antidiagonal, one index rises as the other falls.
+        let opposite = first + count - 1 - diagonal;
+        let [before_last, last, next] = &mut fronts;
+        next.advance(first..end, [&comparison[first..], &reversed[opposite..]], last, before_last);
+        fronts.rotate_left(1);
+    }
+    [fronts[1].off[count], fronts[1].size[count]]
+}
+
+/// The cheapest paths to the cells of an antidiagonal, by the index in the comparison plus one.
+struct Front {
+    cost: Vec<f64>,
+    off: Vec<f64>,
+    size: Vec<f64>,
+}
+
+/// Cost and sums of the paths to neighbouring cells.
+type Paths = [Lane; 3];
+
+impl Front {
+    fn new(count: usize) -> Front {
+        let length = count + 2 + LANES;
+        Front { cost: vec![f64::INFINITY; length], off: vec![0.0; length], size: vec![0.0; length] }
+    }
+
+    fn start(&mut self, difference: f64, reference: f64) {
+        (self.cost[1], self.off[1], self.size[1]) = (difference * difference, difference.abs(), reference.abs());
+    }
+
+    /// Paths to the next antidiagonal, whose curves begin at its first cell.
+    #[inline(always)]
+    fn advance(&mut self, cells: Range<usize>, curves: [&[f64]; 2], last: &Front, before_last: &Front) {
+        for block in (0..cells.len()).step_by(LANES) {
+            let below = cells.start + block;
+            let [comparison, reference] = curves.map(|curve| lane(curve, block));
+            // Steps (1, 0), (0, 1), (1, 1): of paths of equal cost the first counts.
+            let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
+            self.store(below + 1, step(before, comparison, reference));
+        }
+        // Beyond the ends are values of an earlier antidiagonal or of padded lanes.
+        self.cost[cells.start] = f64::INFINITY;
+        self.cost[cells.end + 1] = f64::INFINITY;
+    }
+
+    #[inline(always)]
+    fn paths(&self, from: usize) -> Paths {
+        [lane(&self.cost, from), lane(&self.off, from), lane(&self.size, from)]
+    }
+
+    #[inline(always)]
+    fn store(&mut self, from: usize, [cost, off, size]: Paths) {
+        self.cost[from..from + LANES].copy_from_slice(&cost);
+        self.off[from..from + LANES].copy_from_slice(&off);
+        self.size[from..from + LANES].copy_from_slice(&size);
+    }
+}
+
+#[inline(always)]
+fn lane(values: &[f64], from: usize) -> Lane {
+    let mut lane = splat(0.0);
+    lane.copy_from_slice(&values[from..from + LANES]);
+    lane
+}
+
+/// The cheaper of two paths in each lane, the first of equally cheap ones.
+#[inline(always)]
+fn cheaper(first: Paths, second: Paths) -> Paths {
+    let mut paths = first;
+    for l in 0..LANES {
+        let better = second[0][l] < first[0][l];
+        for k in 0..3 {
+            paths[k][l] = if better { second[k][l] } else { first[k][l] };
+        }
+    }
+    paths
+}
+
+/// The paths, extended by one pair of samples.
+#[inline(always)]
+fn step(mut paths: Paths, comparison: Lane, reference: Lane) -> Paths {
+    for l in 0..LANES {
+        let difference = comparison[l] - reference[l];
+        paths[0][l] += difference * difference;
+        paths[1][l] += difference.abs();
+        paths[2][l] += reference[l].abs();
+    }
+    paths
+}
+
+/// |off|₁/|size|₁; infinite where only `size` is zero.
+fn relative(off: f64, size: f64) -> f64 {
+    if off == 0.0 { 0.0 } else { off / size }
+}
+
+/// Difference of correlations beyond rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Shift of the comparison before values and slopes are compared, samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shift {
+    /// The comparison is late: its first samples are dropped, and the last of the reference.
+    Left(usize),
+    /// The comparison is early.
+    Right(usize),
+}
+
+impl Shift {
+    /// Samples by which the comparison is late.
+    fn samples(self) -> i64 {
+        match self {
+            Shift::Left(count) => count as i64,
+            Shift::Right(count) => -(count as i64),
+        }
+    }
+
+    /// The common part of the curves after the shift.
+    fn cut<'a>(self, reference: &'a [f64], comparison: &'a [f64]) -> [&'a [f64]; 2] {
+        match self {
+            Shift::Left(count) => [&reference[..reference.len() - count], &comparison[count..]],
+            Shift::Right(count) => [&reference[count..], &comparison[..comparison.len() - count]],
+        }
+    }
+
+    /// 1 without a shift, 0 at a fifth of `length`, linear between.
+    fn rating(self, length: usize) -> f64 {
+        let most = length as f64 / 5.0;
+        ((most - self.samples().unsigned_abs() as f64) / most).max(0.0)
+    }
+}
+
+/// The shift of at most a fifth of the length with the largest Pearson correlation; the smallest of several, left
+/// before right.
+fn best_shift(reference: &[f64], comparison: &[f64]) -> Shift {
+    let (r, c) = (Moments::from_curve(reference), Moments::from_curve(comparison));
+    let correlation = |shift: Shift| {
+        let [left, right] = shift.cut(&r.values, &c.values);
+        match shift {
+            Shift::Left(m) => correlation(left, right, r.of_range(0, left.len()), c.of_range(m, right.len())),
+            Shift::Right(m) => correlation(left, right, r.of_range(m, left.len()), c.of_range(0, right.len())),
+        }
+    };
+    let mut best = Shift::Left(0);
+    let mut largest = correlation(best).unwrap_or(-1.0);
+    // The order of ISO/TS 18571: small before large, left before right. Beyond rounding, so that shifts of equal
+    // correlation are not decided by the order of a sum.
+    let shifts = (1..=reference.len() / 5).flat_map(|m| [Shift::Left(m), Shift::Right(m)]);
+    for shift in shifts {
+        stop_if_cancelled();
+        if let Some(found) = correlation(shift).filter(|found| *found > largest + ROUNDING) {
+            (best, largest) = (shift, found);
+        }
+    }
+    best
+}
+
+/// Whether a curve has one value everywhere.
+fn is_flat(curve: &[f64]) -> bool {
+    curve.iter().all(|value| *value == curve[0])
+}
+
+/// A curve less its mean, with running sums of its values and their squares.
+struct Moments {
+    values: Vec<f64>,
+    sums: Vec<[f64; 2]>,
+}
+
+impl Moments {
+    fn from_curve(curve: &[f64]) -> Moments {
+        // Without the mean the differences of running sums lose no digits to a large offset.
+        let mean = curve.iter().sum::<f64>() / curve.len() as f64;
+        let values: Vec<f64> = curve.iter().map(|value| value - mean).collect();
+        let running = values.iter().scan([0.0, 0.0], |[sum, squares], value| {
+            (*sum, *squares) = (*sum + value, *squares + value * value);
+            Some([*sum, *squares])
+        });
+        let sums = std::iter::once([0.0, 0.0]).chain(running).collect();
+        Moments { values, sums }
+    }
+
+    /// Sum, and sum of the squares about the mean, of `count` samples; no squares where they are rounding.
+    fn of_range(&self, first: usize, count: usize) -> [f64; 2] {
+        let [before, after] = [self.sums[first], self.sums[first + count]];
+        let (sum, squares) = (after[0] - before[0], after[1] - before[1]);
+        let about_mean = squares - sum * sum / count as f64;
+        let whole = self.sums[self.sums.len() - 1][1];
+        [sum, if about_mean > 1e-13 * whole { about_mean } else { 0.0 }]
+    }
+}
+
+/// Pearson's correlation; none where one of the curves is constant.
+fn correlation(r: &[f64], c: &[f64], [r_sum, r_squares]: [f64; 2], [c_sum, c_squares]: [f64; 2]) -> Option<f64> {
+    let size = (r_squares * c_squares).sqrt();
+    (size > 0.0).then(|| (dot(Width::best(), r, c) - r_sum * c_sum / r.len() as f64) / size)
+}
+
+at_width! {
+    /// Scalar product, summed in lanes.
+    fn dot[](a: &[f64], b: &[f64]) -> f64 = dot_lanewise
+}
+
+#[inline(always)]
+fn dot_lanewise(a: &[f64], b: &[f64]) -> f64 {
+    let (a, a_rest) = a.as_chunks::<LANES>();
+    let (b, b_rest) = b.as_chunks::<LANES>();
+    let mut sums: Lane = splat(0.0);
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..LANES {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>();
+    sums.into_iter().sum::<f64>() + rest
 }

@@ -98,3 +98,59 @@ fn a_constant_comparison_is_noted() {
     let rating = rate(&at_10_khz(pulse), &at_10_khz(|_| 3.0)).unwrap();
     assert_eq!(rating.warnings, [Warning::ConstantCurve]);
 }
+
+/// The whole matrix, and the way back through it.
+fn by_matrix(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
+    let n = reference.len();
+    let mut cost = vec![vec![f64::INFINITY; n]; n];
+    let at = |cost: &Vec<Vec<f64>>, i: isize, j: isize| {
+        if i < 0 || j < 0 { f64::INFINITY } else { cost[i as usize][j as usize] }
+    };
+    let from = |cost: &Vec<Vec<f64>>, i: usize, j: usize| {
+        let (i, j) = (i as isize, j as isize);
+        let steps = [(i - 1, j), (i, j - 1), (i - 1, j - 1)];
+        steps.into_iter().reduce(|a, b| if at(cost, b.0, b.1) < at(cost, a.0, a.1) { b } else { a }).unwrap()
+    };
+    for i in 0..n {
+        for j in i.saturating_sub(band)..(i + band + 1).min(n) {
+            let (before_i, before_j) = from(&cost, i, j);
+            let before = if i == 0 && j == 0 { 0.0 } else { at(&cost, before_i, before_j) };
+            cost[i][j] = before + (comparison[i] - reference[j]).powi(2);
+        }
+    }
+    let (mut i, mut j, mut sums) = (n - 1, n - 1, [0.0, 0.0]);
+    loop {
+        sums = [sums[0] + (comparison[i] - reference[j]).abs(), sums[1] + reference[j].abs()];
+        if i == 0 && j == 0 {
+            return sums;
+        }
+        let (before_i, before_j) = from(&cost, i, j);
+        (i, j) = (before_i as usize, before_j as usize);
+    }
+}
+
+#[test]
+fn running_sums_are_those_along_the_path() {
+    for (n, band) in [(9, 0), (12, 1), (57, 5), (58, 5), (130, 12), (40, 39)] {
+        let reference: Vec<f64> = (0..n).map(|i| (0.11 * i as f64).sin() + 0.1 * (i * i % 7) as f64).collect();
+        let comparison: Vec<f64> = (0..n).map(|i| (0.12 * i as f64 - 0.2).sin() + 0.1 * (i * i % 5) as f64).collect();
+        let expected = by_matrix(&reference, &comparison, band);
+        for width in Width::available() {
+            let found = warped(width, &reference, &comparison, band);
+            assert!(
+                found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * b),
+                "{n}, {band}: {found:?} {expected:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn ties_of_paths_are_broken_as_specified() {
+    // Plateaus make ties everywhere.
+    let reference: Vec<f64> = (0..60).map(|i| f64::from(i / 13)).collect();
+    let comparison: Vec<f64> = (0..60).map(|i| f64::from((i + 4) / 11) - 0.5).collect();
+    for band in [3, 5, 20] {
+        assert_eq!(warped(Width::best(), &reference, &comparison, band), by_matrix(&reference, &comparison, band));
+    }
+}

@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use crate::error::{Error, Kind, refusal};
-use crate::signal::channel_fault::{MOST_VALUES, not_a_time, not_finite, not_increasing, not_one, other_unit};
 use crate::signal::column_name::ColumnName;
-use crate::signal::measurement::find;
+use crate::signal::measurement::{MOST_VALUES, find, no_unit, not_a_time, not_finite, not_increasing, not_one};
 use crate::signal::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning, csv};
 use base::budget::Numbers;
 use base::diagnostic::listed;
@@ -111,6 +110,40 @@ impl Columns {
             self.places.push((array, column as usize));
         }
         Ok(())
+    }
+}
+
+/// How the bytes of a number are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binary {
+    /// A whole number, in two's complement.
+    Signed,
+    /// A whole number that is not negative.
+    Unsigned,
+    /// Of IEEE 754.
+    Float,
+}
+
+impl Binary {
+    /// The number in one to eight `bytes`, of a fraction in four or eight; none in others.
+    pub fn number(self, bytes: &[u8], is_big: bool) -> Option<f64> {
+        let size = bytes.len();
+        let mut own = [0; 8];
+        own.get_mut(..size)?.copy_from_slice(bytes);
+        if is_big {
+            own[..size].reverse();
+        }
+        let bits = u64::from_le_bytes(own);
+        match (self, size) {
+            (Binary::Float, 4) => Some(f32::from_bits(bits as u32).into()),
+            (Binary::Float, 8) => Some(f64::from_bits(bits)),
+            (_, 0) | (Binary::Float, _) => None,
+            (Binary::Signed, _) => {
+                let unused = 64 - 8 * size as u32;
+                Some(((bits << unused) as i64 >> unused) as f64)
+            }
+            (Binary::Unsigned, _) => Some(bits as f64),
+        }
     }
 }
 
@@ -315,20 +348,12 @@ pub fn no_channel() -> Error {
 
 /// The unit of the file or of the caller; both where they agree. A warning where it is not known.
 fn unit(entry: &Entry, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Option<Unit>, Error> {
-    let column = &entry.column;
-    let named = options.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
-    match (&column.unit, named.map(|(_, unit)| unit).or(options.unit.as_ref())) {
-        (Some(file), Some(given)) if file != given => Err(other_unit(&column.label, file.symbol(), given.symbol())),
-        (Some(unit), _) | (None, Some(unit)) => Ok(Some(unit.clone())),
-        (None, None) => {
-            let channel = column.label.clone();
-            warnings.push(match &column.unknown_unit {
-                Some(unit) => Warning::UnknownUnit { channel, unit: unit.clone() },
-                None => Warning::NoUnit { channel },
-            });
-            Ok(None)
-        }
+    let ColumnName { name, label, unit, unknown_unit } = &entry.column;
+    let unit = options.unit([name, label], unit.as_ref(), options.unit.as_ref(), label)?;
+    if unit.is_none() {
+        warnings.push(no_unit(label, unknown_unit.as_deref()));
     }
+    Ok(unit)
 }
 
 /// The values of a channel, in SI where its unit is known.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::{Error, refusal};
+use crate::signal::stored::Binary;
 
 /// Bytes of a file that are read in order.
 pub struct Bytes<'a> {
@@ -170,24 +171,12 @@ impl Kind {
 
     /// The number in `bytes`, as many as its width; a time has none.
     pub fn number(self, bytes: &[u8], is_big: bool) -> Option<f64> {
-        macro_rules! number {
-            ($type:ty) => {{
-                let bytes = bytes.try_into().ok()?;
-                Some(if is_big { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) } as f64)
-            }};
-        }
+        let bytes = self.width().and_then(|width| bytes.get(..width))?;
         match self {
-            Kind::I8 => number!(i8),
-            Kind::I16 => number!(i16),
-            Kind::I32 => number!(i32),
-            Kind::I64 => number!(i64),
-            Kind::U8 => number!(u8),
-            Kind::U16 => number!(u16),
-            Kind::U32 => number!(u32),
-            Kind::U64 => number!(u64),
-            Kind::F32 => number!(f32),
-            Kind::F64 => number!(f64),
-            Kind::Bool => Some(f64::from(u8::from(*bytes.first()? != 0))),
+            Kind::I8 | Kind::I16 | Kind::I32 | Kind::I64 => Binary::Signed.number(bytes, is_big),
+            Kind::U8 | Kind::U16 | Kind::U32 | Kind::U64 => Binary::Unsigned.number(bytes, is_big),
+            Kind::F32 | Kind::F64 => Binary::Float.number(bytes, is_big),
+            Kind::Bool => Some(f64::from(u8::from(bytes[0] != 0))),
             Kind::Timestamp | Kind::Text | Kind::Void | Kind::Daqmx | Kind::Other { .. } => None,
         }
     }

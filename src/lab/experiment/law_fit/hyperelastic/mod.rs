@@ -5,11 +5,534 @@
 //! Pereyra, SIAM J. Numer. Anal. 10, 1973). Every start is searched with moduli of any sign and with none that is
 //! negative; of all minima the fit is the best one that is stable (methods.md, section 22).
 
-mod energy;
-mod fit;
-mod separable;
 #[cfg(test)]
 mod tests;
 
-pub use energy::Energy;
-pub use fit::fit_law;
+use std::fmt;
+use std::str::FromStr;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::confidence::{Confidence, ConfidenceOptions, Linearization};
+use crate::error::{Error, refusal};
+use crate::experiment::fit::descend;
+use crate::experiment::law_fit::{
+    Coefficient, DataSet, FitOptions, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
+};
+use crate::experiment::nonnegative::{least_squares, nonnegative_least_squares};
+use membrane::material::{
+    CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Law, Ogden, OgdenTerm, Polynomial, Tension,
+};
+
+/// An energy of rubber-like film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// `mu`.
+    NeoHookean,
+    /// `young`, `poisson`.
+    CompressibleNeoHookean,
+    /// `c10`, `c01`.
+    MooneyRivlin,
+    /// `c10`, `c20`, `c30`.
+    Yeoh,
+    /// `mu`, `jm`.
+    Gent,
+    /// `mu` and `alpha` of as many terms.
+    Ogden {
+        /// Number of terms, 1 to [`Ogden::TERMS`].
+        terms: usize,
+    },
+}
+
+impl Energy {
+    const ALL: [Energy; 6] = [
+        Energy::NeoHookean,
+        Energy::CompressibleNeoHookean,
+        Energy::MooneyRivlin,
+        Energy::Yeoh,
+        Energy::Gent,
+        Energy::Ogden { terms: 3 },
+    ];
+
+    /// The words of all energies.
+    pub const WORDS: &'static str =
+        "neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N with 1 to 6 terms";
+
+    /// Its name in a material file.
+    pub fn law(self) -> &'static str {
+        match self {
+            Energy::NeoHookean => "neo-hookean",
+            Energy::CompressibleNeoHookean => "compressible-neo-hookean",
+            Energy::MooneyRivlin => "mooney-rivlin",
+            Energy::Yeoh => "yeoh",
+            Energy::Gent => "gent",
+            Energy::Ogden { .. } => "ogden",
+        }
+    }
+
+    /// Names of the coefficients; those of Ogden's law up to `most`, a modulus and an exponent a term.
+    pub fn names(self, most: usize) -> Vec<String> {
+        let fixed: &[&str] = match self {
+            Energy::NeoHookean => &["mu"],
+            Energy::CompressibleNeoHookean => &["young", "poisson"],
+            Energy::MooneyRivlin => &["c10", "c01"],
+            Energy::Yeoh => &["c10", "c20", "c30"],
+            Energy::Gent => &["mu", "jm"],
+            Energy::Ogden { terms } => {
+                let names = (1..=terms).flat_map(|term| [format!("mu_{term}"), format!("alpha_{term}")]);
+                return names.take(most).collect();
+            }
+        };
+        fixed.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// Whether the coefficient of this name is in Pa.
+    pub(in crate::experiment::law_fit) fn is_modulus(name: &str) -> bool {
+        !(name == "jm" || name == "poisson" || name.starts_with("alpha"))
+    }
+}
+
+/// `ogden` alone has three terms.
+impl FromStr for Energy {
+    type Err = Error;
+
+    fn from_str(word: &str) -> Result<Energy, Error> {
+        let unknown = || refusal!("`{word}` is not a law that can be fitted: expected {}", Energy::WORDS);
+        if let Some(energy) = Energy::ALL.into_iter().find(|energy| energy.law() == word) {
+            return Ok(energy);
+        }
+        let terms = word.strip_prefix("ogden:").and_then(|terms| terms.parse().ok()).ok_or_else(unknown)?;
+        (1..=Ogden::TERMS).contains(&terms).then_some(Energy::Ogden { terms }).ok_or_else(unknown)
+    }
+}
+
+impl fmt::Display for Energy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Energy::Ogden { terms } => write!(f, "ogden:{terms}"),
+            other => f.write_str(other.law()),
+        }
+    }
+}
+
+/// Largest size of an exponent.
+const LARGEST_EXPONENT: f64 = 20.0;
+
+/// Smallest size of an exponent: that of zero is a logarithm, which the law has not.
+const SMALLEST_EXPONENT: f64 = 1e-3;
+
+/// Largest Poisson's ratio: from 0.5 on film is incompressible.
+const LARGEST_POISSON: f64 = 0.4999;
+
+/// Largest J_m over the largest I₁ − 3 of the tests: beyond, the law is neo-Hookean as far as they go.
+const LARGEST_LIMIT: f64 = 1e4;
+
+/// Share of a range within which a coefficient lies on its bound.
+const ON_BOUND: f64 = 1e-3;
+
+/// Largest sum of the sizes of the terms over the size of their sum: beyond, terms cancel each other.
+const MOST_CANCELLED: f64 = 100.0;
+
+/// Exponents from which the starts of Ogden's law are combined.
+const EXPONENTS: [f64; 8] = [-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0];
+
+/// Whether moduli may be negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sign {
+    /// Any.
+    Free,
+    /// None is negative, so that each term alone is stable.
+    NotNegative,
+}
+
+/// A fit of one energy: its tests, and what stresses are multiplied by.
+struct Separable<'a> {
+    energy: Energy,
+    sets: &'a [DataSet],
+    factors: DVector<f64>,
+    /// Measured stresses times their factors.
+    target: DVector<f64>,
+    /// Largest I₁ − 3 of the tests.
+    largest: f64,
+}
+
+/// Moduli and shape of an energy, and the residuals that they leave.
+struct Solved {
+    moduli: Vec<f64>,
+    residuals: DVector<f64>,
+}
+
+impl<'a> Separable<'a> {
+    fn new(energy: Energy, sets: &'a [DataSet], factors: Vec<f64>) -> Separable<'a> {
+        let measured = sets.iter().flat_map(|set| set.measured.stresses());
+        let target = DVector::from_iterator(factors.len(), measured.zip(&factors).map(|(p, factor)| p * factor));
+        Separable { energy, sets, factors: factors.into(), target, largest: largest_invariant(sets) }
+    }
+
+    /// Starts of the unknowns u of the shape; one without unknowns where the law is linear.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        match self.energy {
+            Energy::NeoHookean | Energy::MooneyRivlin | Energy::Yeoh => vec![vec![]],
+            Energy::CompressibleNeoHookean => [-2.0, 0.0, 2.0].map(|u| vec![u]).into(),
+            Energy::Gent => [-4.0, -2.0, 0.0, 2.0, 4.0].map(|u| vec![u]).into(),
+            Energy::Ogden { terms } => combinations(terms),
+        }
+    }
+
+    /// Exponents, limit or Poisson's ratio of the unknowns.
+    fn shape(&self, u: &[f64]) -> Vec<f64> {
+        let of = |u: &f64| match self.energy {
+            Energy::CompressibleNeoHookean => LARGEST_POISSON / (1.0 + (-u).exp()),
+            Energy::Gent => self.largest * (1.0 + LARGEST_LIMIT / (1.0 + LARGEST_LIMIT * (-u).exp())),
+            _ => {
+                let exponent = LARGEST_EXPONENT * (u / LARGEST_EXPONENT).tanh();
+                exponent.abs().max(SMALLEST_EXPONENT).copysign(exponent)
+            }
+        };
+        u.iter().map(of).collect()
+    }
+
+    /// The moduli with the least residuals for a shape; none where a stress is not finite.
+    fn solve(&self, shape: &[f64], sign: Sign) -> Option<Solved> {
+        // Variable projection (Golub and Pereyra 1973): for each shape the moduli are linear, so that only the shape is
+        // searched, and polynomials need no search.
+        let laws = self.energy.unit_laws(shape);
+        let columns: Vec<DVector<f64>> =
+            laws.iter().map(|law| DVector::from_vec(self.stresses(law)).component_mul(&self.factors)).collect();
+        let matrix = DMatrix::from_columns(&columns);
+        let moduli = match sign {
+            Sign::Free => least_squares(&matrix, &self.target)?,
+            Sign::NotNegative => nonnegative_least_squares(&matrix, &self.target)?,
+        };
+        let residuals = &matrix * &moduli - &self.target;
+        Some(Solved { moduli: moduli.as_slice().to_vec(), residuals })
+    }
+
+    /// Whether the coefficient of this name lies on the bound of its range.
+    fn is_on_bound(&self, name: &str, value: f64) -> bool {
+        match name {
+            "poisson" => !(ON_BOUND..LARGEST_POISSON * (1.0 - ON_BOUND)).contains(&value),
+            "jm" => value > self.largest * LARGEST_LIMIT * (1.0 - ON_BOUND),
+            name if name.starts_with("alpha") => {
+                let size = value.abs();
+                size > LARGEST_EXPONENT * (1.0 - ON_BOUND) || size <= SMALLEST_EXPONENT
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether terms of Ogden's law cancel each other, which is a rounding error of the fit and not a film.
+    fn is_cancelled(&self, moduli: &[f64]) -> bool {
+        let size = moduli.iter().map(|modulus| modulus.abs()).sum::<f64>();
+        matches!(self.energy, Energy::Ogden { .. }) && size > MOST_CANCELLED * moduli.iter().sum::<f64>().abs()
+    }
+
+    /// The residuals of a law (methods.md, equation 231).
+    fn residuals(&self, law: &HyperelasticLaw) -> DVector<f64> {
+        DVector::from_vec(self.stresses(law)).component_mul(&self.factors) - &self.target
+    }
+
+    fn stresses(&self, law: &HyperelasticLaw) -> Vec<f64> {
+        self.sets.iter().flat_map(|set| stresses(law, &set.measured)).collect()
+    }
+}
+
+impl Energy {
+    /// The laws whose stresses add up to those of the energy, each times its modulus: all but the shape is linear.
+    /// The modulus of a term of Ogden's is its share ½ μ_k α_k of the shear modulus.
+    fn unit_laws(self, shape: &[f64]) -> Vec<HyperelasticLaw> {
+        if let Energy::Ogden { .. } = self {
+            return shape.iter().map(|alpha| self.of_coefficients(&[2.0 / alpha, *alpha])).collect();
+        }
+        let moduli = self.names(usize::MAX).len() - shape.len();
+        let unit = |place: usize| {
+            let first = (0..moduli).map(|modulus| f64::from(u8::from(modulus == place)));
+            self.of_coefficients(&first.chain(shape.iter().copied()).collect::<Vec<_>>())
+        };
+        (0..moduli).map(unit).collect()
+    }
+
+    /// The coefficients of a material file, SI, in the order of [`Energy::names`]. Terms of Ogden's without a modulus
+    /// are left out, the largest comes first.
+    fn coefficients(self, moduli: &[f64], shape: &[f64]) -> Vec<f64> {
+        let Energy::Ogden { .. } = self else {
+            return moduli.iter().chain(shape).copied().collect();
+        };
+        let mut terms: Vec<[f64; 2]> = moduli.iter().zip(shape).map(|(modulus, alpha)| [*modulus, *alpha]).collect();
+        terms.retain(|[modulus, _]| *modulus != 0.0);
+        terms.sort_by(|a, b| b[0].abs().total_cmp(&a[0].abs()));
+        terms.into_iter().flat_map(|[modulus, alpha]| [2.0 * modulus / alpha, alpha]).collect()
+    }
+
+    /// The law of these coefficients.
+    fn of_coefficients(self, x: &[f64]) -> HyperelasticLaw {
+        match self {
+            Energy::NeoHookean => law_of(Polynomial::neo_hookean(x[0])),
+            Energy::MooneyRivlin => law_of(Polynomial::mooney_rivlin(x[0], x[1])),
+            Energy::Yeoh => law_of(Polynomial::yeoh([x[0], x[1], x[2]])),
+            Energy::CompressibleNeoHookean => law_of(CompressibleNeoHookean { young: x[0], poisson: x[1] }),
+            Energy::Gent => law_of(Gent { mu: x[0], jm: x[1] }),
+            Energy::Ogden { .. } => {
+                let terms: Vec<OgdenTerm> = x.chunks(2).map(|term| OgdenTerm { mu: term[0], alpha: term[1] }).collect();
+                law_of(Ogden::new(&terms))
+            }
+        }
+    }
+}
+
+/// A law of one of the energies.
+trait IntoLaw {
+    fn law(self) -> HyperelasticLaw;
+}
+
+macro_rules! into_law {
+    ($($energy:ident),+) => {
+        $(impl IntoLaw for $energy {
+            fn law(self) -> HyperelasticLaw {
+                HyperelasticLaw::$energy(Hyperelastic { energy: self, wrinkling: false })
+            }
+        })+
+    };
+}
+into_law!(Polynomial, Gent, Ogden, CompressibleNeoHookean);
+
+fn law_of(energy: impl IntoLaw) -> HyperelasticLaw {
+    energy.law()
+}
+
+/// Largest I₁ − 3 of incompressible film at the stretches of the tests.
+fn largest_invariant(sets: &[DataSet]) -> f64 {
+    let rest = law_of(Polynomial::neo_hookean(1.0));
+    let stretches = sets.iter().flat_map(|set| set.measured.states(&rest));
+    stretches.map(|[a, b]| a * a + b * b + (a * b).powi(-2) - 3.0).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// All sets of so many of the exponents.
+fn combinations(count: usize) -> Vec<Vec<f64>> {
+    let sets = (0..1_u32 << EXPONENTS.len()).filter(|bits| bits.count_ones() as usize == count);
+    let exponents = |bits: u32| (0..EXPONENTS.len()).filter(move |at| bits >> at & 1 == 1).map(|at| EXPONENTS[at]);
+    sets.map(|bits| exponents(bits).collect()).collect()
+}
+
+/// Points of a curve.
+const POINTS: u32 = 120;
+
+impl Measured {
+    /// Principal stretches of all points in the plane, for film of this law.
+    fn states(&self, law: &HyperelasticLaw) -> Vec<[f64; 2]> {
+        match self {
+            Measured::Tension(tension, points) => {
+                points.iter().map(|point| law.stretches(*tension, point[0])).collect()
+            }
+            Measured::Biaxial(points) => points.iter().map(|point| point.stretches).collect(),
+        }
+    }
+}
+
+/// The law's stresses (Pa) in the order of the measured ones.
+fn stresses(law: &HyperelasticLaw, measured: &Measured) -> Vec<f64> {
+    let states = measured.states(law).into_iter().map(|state| law.nominal_stress(state));
+    match measured {
+        Measured::Tension(..) => states.map(|stress| stress[0]).collect(),
+        Measured::Biaxial(_) => states.flatten().collect(),
+    }
+}
+
+/// The law's stress (Pa) over the stretch between two stretches.
+fn curve(law: &HyperelasticLaw, tension: Tension, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    let stretches = (0..=POINTS).map(|k| from + (to - from) * f64::from(k) / f64::from(POINTS));
+    stretches.map(|stretch| [stretch, law.nominal_stress(law.stretches(tension, stretch))[0]]).collect()
+}
+
+/// Starts that are searched of those with the least residuals.
+const SEARCHED: usize = 8;
+
+/// Share by which residuals must be smaller to be called so.
+const SMALLER: f64 = 1e-3;
+
+/// How stable a law is, the best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stability {
+    /// In all kinds of tension up to the stretch that is asked for, and in all states that were measured.
+    InRange,
+    /// In all states that were measured.
+    WhereMeasured,
+    /// Not even there, but there is a stiffness at rest.
+    AtRest,
+    /// Not even at rest.
+    Nowhere,
+}
+
+/// A minimum of the residuals.
+struct Minimum {
+    coefficients: Vec<f64>,
+    law: HyperelasticLaw,
+    /// |r|²
+    squares: f64,
+    stability: Stability,
+}
+
+/// Fits `energy` to the `sets` and predicts the stresses of `predicted`.
+pub fn fit_law(energy: Energy, sets: &[DataSet], predicted: &[DataSet], options: &FitOptions) -> Result<LawFit, Error> {
+    if !sets.iter().any(|set| set.weight > 0.0) {
+        return Err(refusal!("no test has a weight above zero"));
+    }
+    if let Some(stretch) = options.stable_to.filter(|stretch| !(stretch.is_finite() && *stretch > 1.0)) {
+        return Err(refusal!("expected a largest stretch above 1, found {stretch}"));
+    }
+    let factors = options.weighting.factors(sets);
+    let (samples, unknowns) = (factors.iter().filter(|factor| **factor > 0.0).count(), energy.names(usize::MAX).len());
+    if samples <= unknowns {
+        return Err(refusal!(
+            "{samples} measured stresses for {unknowns} coefficients: there must be more stresses than coefficients"
+        )
+        .with_hint("fit a law with fewer coefficients, or add tests"));
+    }
+    let problem = Separable::new(energy, sets, factors);
+    let stable_to = options.stable_to.unwrap_or_else(|| range(sets)[1].max(1.0));
+    let minima = minima(&problem, sets, stable_to);
+    let lowest = minima.iter().map(|minimum| minimum.squares).fold(f64::INFINITY, f64::min);
+    // Stability counts before residuals: a run with a law that is unstable in its range has no solution.
+    let best =
+        minima.iter().min_by(|a, b| (a.stability, a.squares).partial_cmp(&(b.stability, b.squares)).expect("finite"));
+    let refused = |error: Error| {
+        error.with_hint("check signs, units and the order of the columns: nominal stress grows with stretch")
+    };
+    let no_value = || refused(refusal!("the law has no finite stress at the measured stretches"));
+    let best = best.ok_or_else(no_value)?;
+    if best.stability == Stability::Nowhere {
+        return Err(refused(refusal!("no coefficients that fit have a stiffness at rest")));
+    }
+    let mut warnings = stability_warnings(best, lowest, stable_to);
+    let kinds: Vec<TestKind> = sets.iter().filter(|set| set.weight > 0.0).map(DataSet::kind).collect();
+    if kinds.iter().all(|kind| *kind == TestKind::Tension(Tension::Uniaxial)) {
+        warnings.push(Warning::UniaxialOnly);
+    }
+    let names = energy.names(best.coefficients.len());
+    if names.len() < unknowns {
+        warnings.push(Warning::TermsLeftOut { asked: unknowns / 2, left: names.len() / 2 });
+    }
+    let on_bound = names.iter().zip(&best.coefficients).filter(|(name, value)| problem.is_on_bound(name, **value));
+    warnings.extend(on_bound.map(|(name, value)| Warning::OnBound { coefficient: name.clone(), value: *value }));
+    let residuals = |x: &[f64]| problem.residuals(&energy.of_coefficients(x)).as_slice().to_vec();
+    let confidence = intervals(&names, &best.coefficients, sets, &residuals);
+    let confidence = confidence.map_err(|error| warnings.push(Warning::NoIntervals { why: error.to_string() })).ok();
+    let test = |set: &DataSet| {
+        let found = stresses(&best.law, &set.measured);
+        let curve = match set.measured {
+            Measured::Tension(tension, _) => curve(&best.law, tension, range(std::slice::from_ref(set))),
+            Measured::Biaxial(_) => vec![],
+        };
+        TestFit { set: set.clone(), quality: Quality::from_stresses(&set.measured, &found), predicted: found, curve }
+    };
+    Ok(LawFit {
+        choice: match energy {
+            Energy::Ogden { .. } => Energy::Ogden { terms: names.len() / 2 },
+            other => other,
+        },
+        coefficients: Coefficient::all(names, &best.coefficients, Energy::is_modulus, confidence.as_ref()),
+        law: Law::Hyperelastic(best.law.clone()),
+        tests: sets.iter().map(test).collect(),
+        predictions: predicted.iter().map(test).collect(),
+        weighting: options.weighting,
+        stable_to,
+        unstable_from: best.law.instability(),
+        confidence,
+        warnings,
+    })
+}
+
+/// Reports on the stability of the best minimum.
+fn stability_warnings(best: &Minimum, lowest: f64, stable_to: f64) -> Vec<Warning> {
+    let unstable = best.law.instability_up_to(stable_to);
+    match (best.stability, unstable) {
+        (Stability::InRange, _) if best.squares > (1.0 + SMALLER) * lowest => {
+            vec![Warning::UnstableRejected { stable: best.squares.sqrt(), unstable: lowest.sqrt(), stable_to }]
+        }
+        (Stability::InRange, _) => vec![],
+        (_, Some((tension, stretch))) => vec![Warning::UnstableInRange { tension, stretch, stable_to }],
+        (_, None) => vec![Warning::UnstableWhereMeasured],
+    }
+}
+
+/// The minima from the best starts, with moduli of either sign and with none that is negative.
+fn minima(problem: &Separable<'_>, sets: &[DataSet], stable_to: f64) -> Vec<Minimum> {
+    let of_sign = |sign: Sign| {
+        let squares = |u: &[f64]| {
+            let solved = problem.solve(&problem.shape(u), sign)?;
+            Some(solved.residuals.norm_squared()).filter(|squares| squares.is_finite())
+        };
+        let mut starts: Vec<(f64, Vec<f64>)> =
+            problem.starts().into_iter().filter_map(|u| Some((squares(&u)?, u))).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts.truncate(SEARCHED);
+        starts.into_iter().filter_map(move |(_, start)| minimum(problem, start, sign, sets, stable_to))
+    };
+    [Sign::Free, Sign::NotNegative].into_iter().flat_map(of_sign).collect()
+}
+
+fn minimum(problem: &Separable<'_>, start: Vec<f64>, sign: Sign, sets: &[DataSet], stable_to: f64) -> Option<Minimum> {
+    let residuals = |u: &[f64]| match problem.solve(&problem.shape(u), sign) {
+        Some(solved) => solved.residuals.as_slice().to_vec(),
+        None => vec![f64::NAN; sets.iter().map(|set| set.measured.stresses().len()).sum()],
+    };
+    let u = if start.is_empty() { start } else { descend(start, &residuals) };
+    let shape = problem.shape(&u);
+    let solved = problem.solve(&shape, sign)?;
+    let squares = solved.residuals.norm_squared();
+    let coefficients = problem.energy.coefficients(&solved.moduli, &shape);
+    if coefficients.is_empty() || !squares.is_finite() || problem.is_cancelled(&solved.moduli) {
+        return None;
+    }
+    let law = problem.energy.of_coefficients(&coefficients);
+    let stability = stability(&law, sets, stable_to);
+    Some(Minimum { coefficients, law, squares, stability })
+}
+
+fn stability(law: &HyperelasticLaw, sets: &[DataSet], stable_to: f64) -> Stability {
+    if !law.is_stable_at([1.0, 1.0]) {
+        return Stability::Nowhere;
+    }
+    let where_measured =
+        sets.iter().flat_map(|set| set.measured.states(law)).all(|stretches| law.is_stable_at(stretches));
+    match (where_measured, law.instability_up_to(stable_to)) {
+        (false, _) => Stability::AtRest,
+        (true, Some(_)) => Stability::WhereMeasured,
+        (true, None) => Stability::InRange,
+    }
+}
+
+/// Difference of a coefficient over its size by which residuals are differentiated.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The intervals of the coefficients `x` with these residuals, of which each test has noise of its own.
+fn intervals(
+    names: &[String],
+    x: &[f64],
+    sets: &[DataSet],
+    residuals: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Result<Confidence, Error> {
+    let mut roughness = 0.0_f64;
+    let counted: Vec<bool> =
+        sets.iter().flat_map(|set| vec![set.weight > 0.0; set.measured.stresses().len()]).collect();
+    let at = |x: &[f64]| {
+        let kept = residuals(x).into_iter().zip(&counted).filter(|(_, counted)| **counted).map(|(r, _)| r);
+        DVector::from_vec(kept.collect())
+    };
+    let here = at(x);
+    let columns = (0..x.len()).map(|index| {
+        let step = DIFFERENCE * if x[index] == 0.0 { 1.0 } else { x[index].abs() };
+        let beside = |step: f64| {
+            let mut x = x.to_vec();
+            x[index] += step;
+            at(&x)
+        };
+        let (above, below) = (beside(step), beside(-step));
+        roughness = roughness.max((&above - 2.0 * &here + &below).norm());
+        (above - below) / (2.0 * step)
+    });
+    let jacobian = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+    let parts = sets.iter().filter(|set| set.weight > 0.0).map(|set| set.measured.stresses().len()).collect();
+    let linearization = Linearization { x: x.to_vec(), residuals: here, parts, jacobian, roughness, one_sided: vec![] };
+    Confidence::from_linearization(&linearization, &ConfidenceOptions::new(names.to_vec()))
+}

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use super::super::*;
-use super::Energy;
-use super::separable::stresses;
-use membrane::material::{Law, Ogden, Tension};
+use super::*;
 
 fn rubber(name: &str) -> DataSet {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/rubber").join(name);
@@ -150,4 +148,16 @@ fn stresses_that_fall_have_no_law() {
     let refused = |law: &str| fit(law).expect_err("no law").to_string();
     assert_eq!(refused("neo-hookean"), "no coefficients that fit have a stiffness at rest");
     assert!(refused("yeoh").starts_with("3 measured stresses for 3 coefficients"));
+}
+
+#[test]
+fn words_are_laws() {
+    for word in ["neo-hookean", "compressible-neo-hookean", "mooney-rivlin", "yeoh", "gent", "ogden:1", "ogden:6"] {
+        assert_eq!(word.parse::<Energy>().map(|law| law.to_string()), Ok(word.to_owned()));
+    }
+    assert_eq!("ogden".parse::<Energy>().map(|law| law.to_string()), Ok("ogden:3".to_owned()));
+    for word in ["", "ogden:0", "ogden:7", "ogden:", "yeoh:3", "Ogden:3 "] {
+        let error = word.parse::<Energy>().expect_err(word).to_string();
+        assert!(error.contains("is not a law that can be fitted: expected neo-hookean, "), "{error}");
+    }
 }

@@ -2,16 +2,10 @@
 //!
 //! Versace, *A Review of the Severity Index* (1971), SAE 710881; windows of 15 and 36 ms after 49 CFR 571.208.
 
-mod pulse;
-mod search;
-
-use super::Series;
-use super::gap;
+use super::{Series, gap};
 use crate::error::{Error, refusal};
 use base::number::significant;
 use base::units::STANDARD_GRAVITY;
-use pulse::Pulse;
-use search::Search;
 
 /// The interval with the largest (t₂ − t₁)·(mean of a in g)^2.5, equation 62.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +62,205 @@ pub fn head_injury_criterion(series: &Series, window: f64) -> Result<Hic, Error>
         return Err(never_positive());
     }
     Ok(Hic { value: length * (mean / STANDARD_GRAVITY).powf(2.5), start, end, mean })
+}
+
+/// An acceleration over its peak, and its integral.
+struct Pulse<'a> {
+    pub time: &'a [f64],
+    pub level: Vec<f64>,
+    pub speed: Vec<f64>,
+}
+
+impl<'a> Pulse<'a> {
+    pub fn new(series: &'a Series, peak: f64) -> Pulse<'a> {
+        let time = series.time();
+        let level: Vec<f64> = series.values().iter().map(|value| value / peak).collect();
+        let mut speed = vec![0.0; level.len()];
+        for i in 1..level.len() {
+            speed[i] = speed[i - 1] + 0.5 * (level[i] + level[i - 1]) * (time[i] - time[i - 1]);
+        }
+        Pulse { time, level, speed }
+    }
+
+    pub fn last(&self) -> usize {
+        self.time.len() - 1
+    }
+
+    /// The integral up to `time`, which lies among the samples.
+    pub fn speed_at(&self, time: f64) -> f64 {
+        let before = self.time.partition_point(|sample| *sample <= time).clamp(1, self.last()) - 1;
+        let (dt, step) = (time - self.time[before], self.time[before + 1] - self.time[before]);
+        let slope = (self.level[before + 1] - self.level[before]) / step;
+        self.speed[before] + dt * (self.level[before] + 0.5 * slope * dt)
+    }
+
+    /// Square of the criterion, which needs no root, of the interval that starts at `start` and lasts `length`.
+    pub fn severity(&self, [start, length]: [f64; 2]) -> f64 {
+        severity(self.speed_at(start + length) - self.speed_at(start), length)
+    }
+
+    /// The best interval that starts and ends within a sample of `pair`.
+    pub fn refined(&self, [from, to]: [usize; 2], window: f64) -> [f64; 2] {
+        let (time, last) = (self.time, self.last());
+        let [first, end] = [time[0], time[last]];
+        let starts = [time[from.saturating_sub(1)], time[(from + 1).min(last)]];
+        let ends = [time[to - 1], time[(to + 1).min(last)]];
+        let shortest = 1e-6 * (time[to] - time[from]);
+        let mut best = [time[from], (time[to] - time[from]).min(window)];
+        loop {
+            let before = self.severity(best);
+            let [_, length] = best;
+            let range = [starts[0].max(first), starts[1].min(end - length)];
+            best[0] = summit(range, best[0], |start| self.severity([start, length]));
+            let [start, _] = best;
+            let [low, high] = [(ends[0] - start).max(shortest), (ends[1] - start).min(window).min(end - start)];
+            // The start may have moved the end past its own range.
+            let range = [low.min(length), high.max(length)];
+            best[1] = summit(range, best[1], |length| self.severity([start, length]));
+            if self.severity(best) <= before * (1.0 + 1e-14) {
+                return [best[0], best[0] + best[1]];
+            }
+        }
+    }
+}
+
+fn severity(rise: f64, length: f64) -> f64 {
+    if rise > 0.0 { rise.powi(5) / length.powi(3) } else { 0.0 }
+}
+
+/// Where `f`, unimodal in a range, is largest; `known` where nothing higher is found.
+fn summit([mut low, mut high]: [f64; 2], known: f64, f: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..60 {
+        let third = (high - low) / 3.0;
+        if f(low + third) < f(high - third) { low += third } else { high -= third }
+    }
+    let found = 0.5 * (low + high);
+    if f(found) > f(known) { found } else { known }
+}
+
+/// Samples of a block that is searched pair by pair.
+const LEAF: usize = 16;
+
+/// Bounds of consecutive samples.
+#[derive(Clone, Copy)]
+struct Block {
+    lowest_speed: f64,
+    highest_speed: f64,
+    highest_level: f64,
+}
+
+impl Block {
+    fn from_samples(speed: &[f64], level: &[f64]) -> Block {
+        let lowest_speed = speed.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest_speed = speed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Block { lowest_speed, highest_speed, highest_level: level.iter().copied().fold(0.0, f64::max) }
+    }
+
+    fn with(self, other: Block) -> Block {
+        Block {
+            lowest_speed: self.lowest_speed.min(other.lowest_speed),
+            highest_speed: self.highest_speed.max(other.highest_speed),
+            highest_level: self.highest_level.max(other.highest_level),
+        }
+    }
+}
+
+/// Branch and bound over pairs of blocks, halved down to [`LEAF`] samples.
+struct Search<'a> {
+    pulse: &'a Pulse<'a>,
+    window: f64,
+    /// Blocks of `LEAF · 2^level` samples.
+    levels: Vec<Vec<Block>>,
+    best: f64,
+    pair: Option<[usize; 2]>,
+}
+
+impl<'a> Search<'a> {
+    fn new(pulse: &'a Pulse<'a>, window: f64) -> Search<'a> {
+        let leaves = pulse.speed.chunks(LEAF).zip(pulse.level.chunks(LEAF));
+        let mut levels = vec![leaves.map(|(speed, level)| Block::from_samples(speed, level)).collect::<Vec<_>>()];
+        while let Some(below) = levels.last().filter(|blocks| blocks.len() > 1) {
+            levels.push(below.chunks(2).map(|pair| pair[0].with(pair[pair.len() - 1])).collect());
+        }
+        // A sample that rounding of its time puts just past the window still counts.
+        Search { pulse, window: window * (1.0 + 1e-9), levels, best: 0.0, pair: None }
+    }
+
+    /// The best pair of samples within the window; none where no two lie there.
+    fn best_pair(mut self) -> Option<[usize; 2]> {
+        self.seed();
+        self.visit(self.levels.len() - 1, [0, 0]);
+        self.pair
+    }
+
+    /// Coarse pairs of a few lengths, which exclude most blocks at once.
+    fn seed(&mut self) {
+        let (time, last) = (self.pulse.time, self.pulse.last());
+        for halvings in 0..10 {
+            let length = self.window / f64::from(1 << halvings);
+            let mut to = 0;
+            for from in (0..last).step_by(LEAF) {
+                while to + LEAF <= last && time[to + LEAF] - time[from] <= length {
+                    to += LEAF;
+                }
+                self.offer([from, to]);
+            }
+        }
+    }
+
+    fn offer(&mut self, [from, to]: [usize; 2]) {
+        let Pulse { time, speed, .. } = self.pulse;
+        if from >= to {
+            return;
+        }
+        let found = severity(speed[to] - speed[from], time[to] - time[from]);
+        if found > self.best || self.pair.is_none() {
+            (self.best, self.pair) = (found, Some([from, to]));
+        }
+    }
+
+    /// Looks for better pairs that start in block `a` and end in block `b` of a level.
+    fn visit(&mut self, level: usize, [a, b]: [usize; 2]) {
+        if self.bound(level, [a, b]) <= self.best {
+            return;
+        }
+        let Some(below) = level.checked_sub(1) else {
+            return self.leaf([a, b]);
+        };
+        let count = self.levels[below].len();
+        for (a, b) in [(2 * a, 2 * b), (2 * a, 2 * b + 1), (2 * a + 1, 2 * b), (2 * a + 1, 2 * b + 1)] {
+            if a <= b && b < count {
+                self.visit(below, [a, b]);
+            }
+        }
+    }
+
+    /// Upper bound of all pairs of the two blocks: the largest rise at the largest mean, which neither the
+    /// acceleration's peak nor the rise over the shortest time exceeds. Zero where they lie too far apart.
+    fn bound(&self, level: usize, [a, b]: [usize; 2]) -> f64 {
+        let (blocks, size) = (&self.levels[level], LEAF << level);
+        let between = if a == b { 0.0 } else { self.pulse.time[b * size] - self.pulse.time[(a + 1) * size - 1] };
+        let rise = blocks[b].highest_speed - blocks[a].lowest_speed;
+        if between > self.window || rise <= 0.0 {
+            return 0.0;
+        }
+        let peak = if b <= a + 1 { blocks[a].highest_level.max(blocks[b].highest_level) } else { 1.0 };
+        let mean = if between > 0.0 { peak.min(rise / between) } else { peak };
+        // Sums of rounded terms may rise a little faster than their largest term.
+        rise * rise * mean.powi(3) * (1.0 + 1e-9)
+    }
+
+    fn leaf(&mut self, [a, b]: [usize; 2]) {
+        let count = self.pulse.time.len();
+        for from in a * LEAF..((a + 1) * LEAF).min(count) {
+            for to in (b * LEAF).max(from + 1)..((b + 1) * LEAF).min(count) {
+                if self.pulse.time[to] - self.pulse.time[from] > self.window {
+                    break;
+                }
+                self.offer([from, to]);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
