@@ -310,5 +310,5 @@ fn check(material: &str) -> Result<(), Failure> {
 fn misread(path: &Path, text: &str, mistake: &Mistake) -> Diagnostic {
     let line = text.lines().nth(mistake.place.line - 1).unwrap_or_default().to_owned();
     let source = Source::excerpt(path, mistake.place.line, line);
-    Diagnostic::new(mistake.fault.to_string()).at(&Span::position(&source, 1, mistake.place.column))
+    Diagnostic::new(mistake.message.as_str()).at(&Span::position(&source, 1, mistake.place.column))
 }
