@@ -2,9 +2,7 @@
 //!
 //! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first (from memory).
 
-use super::film::{
-    FabricCurves, Film, Refusal, Request, along_md, bulk_modulus, energy, flow_curves, lost_hill, shear_modulus,
-};
+use super::film::{Draft, Refusal, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
 use super::layout::in_twenty;
 use super::loss::Loss;
 use super::target::Target;
@@ -14,19 +12,16 @@ use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Vis
 const MOST: usize = 8;
 
 /// The card without its head.
-pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let law = match &film.material.law {
-        Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
-        Law::Elastic(law) => isotropic(film, law, request, losses),
-        Law::TensionField(field) => {
-            losses.push(Loss::Wrinkling);
-            isotropic(film, &field.0, request, losses)
-        }
-        Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
-        Law::Plastic(law) => plastic(film, law, request, losses)?,
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let law = &draft.film.material.law;
+    let law = match (draft.linear(law), law) {
+        (Some(elastic), _) => isotropic(draft, elastic),
+        (None, Law::Hyperelastic(law)) => rubber(draft, law)?,
+        (None, Law::Plastic(law)) => plastic(draft, law)?,
+        (None, _) => fabric(draft)?,
     };
-    let density = in_twenty(film.material.density / request.system.density());
-    let name: String = film.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let density = in_twenty(draft.density());
+    let name: String = draft.film.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     // A name begins with a letter.
     Ok(format!("*MATERIAL, NAME=FILM_{}\n*DENSITY\n{density},\n{law}", name.to_ascii_uppercase()))
 }
@@ -43,48 +38,44 @@ fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
     text
 }
 
-fn isotropic(film: &Film<'_>, law: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
+fn isotropic(draft: &mut Draft<'_>, law: &Elastic) -> String {
     // CalculiX is linear in Green's strain, as droptower is: tests/solvers runs it.
-    losses.extend((request.target == Target::Abaqus).then(|| Loss::strain_measure("*ELASTIC", law)));
-    losses.extend(film.lost_beside_the_law());
-    elastic(law, request)
+    let is_other = draft.request.target == Target::Abaqus;
+    draft.losses.extend(is_other.then(|| Loss::strain_measure("*ELASTIC", law)));
+    draft.lose_beside_the_law();
+    elastic(draft, law)
 }
 
-fn elastic(law: &Elastic, request: &Request) -> String {
-    keyword("ELASTIC", [vec![law.young / request.system.stress(), law.poisson]])
+fn elastic(draft: &Draft<'_>, law: &Elastic) -> String {
+    keyword("ELASTIC", [vec![draft.stress(law.young), law.poisson]])
 }
 
-fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    if request.target == Target::CalculiX {
-        return Err(request.no_law("fabric"));
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    if draft.request.target == Target::CalculiX {
+        return Err(draft.request.no_law("fabric"));
     }
-    let curves = FabricCurves::of(&film.material.law, request, false, losses)?;
-    losses.push(Loss::FromMemory { what: "the stress stands before the strain in *LOADING DATA" });
-    losses.extend(film.lost_beside_the_law());
-    losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
-    let stress = request.system.stress();
+    let curves = draft.fabric_curves(false)?;
+    draft.losses.push(Loss::FromMemory { what: "the stress stands before the strain in *LOADING DATA" });
+    draft.lose_beside_the_law();
+    draft.losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
     let [md, td] = &curves.fibres;
     let mut text = String::from("*FABRIC\n");
     for (component, curve) in [("1", &md[0].1), ("2", &td[0].1), ("SHEAR", &curves.shear)] {
         // Without a direction data of one side hold for both (Abaqus Keywords Reference, *LOADING DATA); fibres carry no compression.
         let direction = if component == "SHEAR" { "" } else { ", DIRECTION=TENSION" };
         text += &format!("*UNIAXIAL, COMPONENT={component}\n");
-        let rows = curve.points.iter().map(|[strain, value]| vec![value / stress, *strain]);
+        let rows = curve.points.iter().map(|[strain, value]| vec![draft.stress(*value), *strain]);
         text += &keyword(&format!("LOADING DATA, TYPE=ELASTIC{direction}, EXTRAPOLATION=LINEAR"), rows);
     }
     Ok(text)
 }
 
-fn rubber(
-    film: &Film<'_>,
-    law: &HyperelasticLaw,
-    request: &Request,
-    losses: &mut Vec<Loss>,
-) -> Result<String, Refusal> {
-    let viscosity = film.material.viscosity.as_ref();
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+    let request = draft.request;
+    let viscosity = draft.film.material.viscosity.as_ref();
     // CalculiX has no relaxation: its film is the one of the law as it is written.
     let has_relaxation = request.target == Target::Abaqus;
-    losses.extend(viscosity.filter(|_| !has_relaxation).map(|_| Loss::Viscosity));
+    draft.losses.extend(viscosity.filter(|_| !has_relaxation).map(|_| Loss::Viscosity));
     let instant = viscosity.filter(|_| has_relaxation).map_or(1.0, Viscosity::instant);
     let stress = request.system.stress() / instant;
     // A small compressibility for elements that need one; both potentials have D = 2/K.
@@ -115,9 +106,8 @@ fn rubber(
         }
         other => return Err(request.no_law(energy(other))),
     };
-    losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
-    losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.lost_to_rupture_and_heat());
+    draft.lose_of_rubber(law);
+    draft.lose_rupture_and_heat();
     let relaxation = viscosity.filter(|_| has_relaxation).map_or_else(String::new, |viscosity| {
         // Shares of the instantaneous shear modulus; the volume does not relax.
         let rows = viscosity.terms().iter().map(|term| vec![term.share, 0.0, term.time / request.system.time()]);
@@ -126,16 +116,15 @@ fn rubber(
     Ok(potential + &relaxation)
 }
 
-fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let has_hill = request.target == Target::Abaqus;
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+    let has_hill = draft.request.target == Target::Abaqus;
     let hill = lost_hill(law);
-    losses.extend(hill.clone().filter(|_| !has_hill));
-    losses.extend(film.lost_beside_the_law());
+    draft.losses.extend(hill.clone().filter(|_| !has_hill));
+    draft.lose_beside_the_law();
     // Ratios are over the curve, which is that along MD.
-    let flow = flow_curves(law, along_md(law), request, false, losses)?;
-    let stress = request.system.stress();
-    let rows = flow[0].1.points.iter().map(|[p, sigma]| vec![sigma / stress, *p]);
-    let mut text = elastic(law.elastic(), request) + &keyword("PLASTIC", rows);
+    let flow = draft.flow_curves(law, false)?;
+    let rows = flow[0].1.points.iter().map(|[p, sigma]| vec![draft.stress(*sigma), *p]);
+    let mut text = elastic(draft, law.elastic()) + &keyword("PLASTIC", rows);
     if has_hill && hill.is_some() {
         let md = along_md(law);
         let hill = law.hill();

@@ -1,15 +1,16 @@
 //! Curves in a table, for solvers whose cards are not known here: resultants, force per width of the layers that an element
 //! stands for, over engineering strain, as VPS' material 151 takes them in the study of the LLDPE film.
 
-use super::film::{FabricCurves, Film, Refusal, Request};
+use super::film::{Draft, Refusal};
 use super::layout::whole;
 use super::loss::Loss;
 
 /// The table without its head: one block of two columns a curve, one below the other.
-pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let curves = FabricCurves::of(&film.material.law, request, true, losses)?;
-    losses.extend(film.lost_beside_the_law());
-    losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let (film, request) = (draft.film, draft.request);
+    let curves = draft.fabric_curves(true)?;
+    draft.lose_beside_the_law();
+    draft.losses.extend((curves.absorption > 0.0).then_some(Loss::Absorption { share: curves.absorption }));
     let width = film.material.thickness * f64::from(request.layers) / request.system.resultant();
     let [_, length, _, force, _] = request.system.words();
     let mut text = format!("curve,rate_per_{},strain,resultant_{force}_per_{length}\n", request.system.words()[2]);

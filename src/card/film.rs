@@ -7,8 +7,8 @@ use thiserror::Error;
 use super::loss::Loss;
 use super::target::{System, Target};
 use membrane::material::{
-    Curve, Fabric, FibreLaw, FlowRate, Hardening, HyperelasticLaw, Law, Material, OgdenTerm, Plastic, Polynomial,
-    RateCurves,
+    Curve, Elastic, Fabric, FibreLaw, FlowRate, Hardening, HyperelasticLaw, Law, Material, OgdenTerm, Plastic,
+    Polynomial, RateCurves,
 };
 
 /// A film to be written.
@@ -162,26 +162,72 @@ pub(crate) struct FabricCurves {
     pub(crate) absorption: f64,
 }
 
-impl FabricCurves {
-    /// The curves of the law, which must be a fabric's; `by_rate` where the target takes several rates.
-    pub(crate) fn of(
-        law: &Law,
-        request: &Request,
-        by_rate: bool,
-        losses: &mut Vec<Loss>,
-    ) -> Result<FabricCurves, Refusal> {
+/// A card that is being written.
+pub(crate) struct Draft<'a> {
+    /// What is written.
+    pub(crate) film: &'a Film<'a>,
+    /// How.
+    pub(crate) request: &'a Request,
+    /// What the card does not say of the film so far.
+    pub(crate) losses: Vec<Loss>,
+}
+
+impl<'a> Draft<'a> {
+    /// Density of the film, in the unit of the card.
+    pub(crate) fn density(&self) -> f64 {
+        self.film.material.density / self.request.system.density()
+    }
+
+    /// A stress (Pa) in the unit of the card.
+    pub(crate) fn stress(&self, stress: f64) -> f64 {
+        stress / self.request.system.stress()
+    }
+
+    /// Linear film of a card that knows no wrinkles; none of another law.
+    pub(crate) fn linear(&mut self, law: &'a Law) -> Option<&'a Elastic> {
         match law {
+            Law::Elastic(elastic) => Some(elastic),
+            Law::TensionField(field) => {
+                self.losses.push(Loss::Wrinkling);
+                Some(&field.0)
+            }
+            Law::Fabric(_) | Law::RateFabric(_) | Law::Hyperelastic(_) | Law::Plastic(_) => None,
+        }
+    }
+
+    /// What a card of incompressible film loses.
+    pub(crate) fn lose_of_rubber(&mut self, law: &HyperelasticLaw) {
+        self.losses.push(Loss::Compressible { poisson: self.request.poisson_of(law) });
+        self.losses.extend(wrinkles(law).then_some(Loss::Wrinkling));
+    }
+
+    /// What a card loses that has neither rupture nor heat.
+    pub(crate) fn lose_rupture_and_heat(&mut self) {
+        let material = self.film.material;
+        self.losses.extend(material.rupture.as_ref().map(|_| Loss::Rupture));
+        self.losses.extend(material.thermal.as_ref().map(|_| Loss::Heating));
+    }
+
+    /// What a card loses that has neither rupture nor heat nor relaxation.
+    pub(crate) fn lose_beside_the_law(&mut self) {
+        self.lose_rupture_and_heat();
+        self.losses.extend(self.film.material.viscosity.as_ref().map(|_| Loss::Viscosity));
+    }
+
+    /// The curves of the film, which must be a fabric; `by_rate` where the target takes several rates.
+    pub(crate) fn fabric_curves(&mut self, by_rate: bool) -> Result<FabricCurves, Refusal> {
+        let request = self.request;
+        match &self.film.material.law {
             Law::Fabric(fabric) => {
                 let curves = |curve: &Curve| vec![(None, curve.clone())];
-                let fibres = [fabric.md(), fabric.td()].map(curves);
-                Ok(FabricCurves::sampled(fabric, fibres, request, losses))
+                Ok(self.sampled(fabric, [fabric.md(), fabric.td()].map(curves)))
             }
-            Law::RateFabric(fabric) => {
+            law @ Law::RateFabric(fabric) => {
                 let fibres = [rated(fabric.md(), request, by_rate)?, rated(fabric.td(), request, by_rate)?];
                 if let (Some(rate), Some(_)) = (request.rate, law.rates()) {
-                    losses.push(Loss::Rates { kept: rate });
+                    self.losses.push(Loss::Rates { kept: rate });
                 }
-                Ok(FabricCurves::sampled(fabric, fibres, request, losses))
+                Ok(self.sampled(fabric, fibres))
             }
             Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_) => {
                 Err(request.no_law("film that is no fabric"))
@@ -189,14 +235,10 @@ impl FabricCurves {
         }
     }
 
-    fn sampled<F: FibreLaw>(
-        fabric: &Fabric<F>,
-        fibres: [Vec<(Option<f64>, Curve)>; 2],
-        request: &Request,
-        losses: &mut Vec<Loss>,
-    ) -> FabricCurves {
+    fn sampled<F: FibreLaw>(&mut self, fabric: &Fabric<F>, fibres: [Vec<(Option<f64>, Curve)>; 2]) -> FabricCurves {
+        let most = self.request.points;
         let with_origin = |curve: &Curve| [&[[0.0, 0.0]], curve.points()].concat();
-        let thin = |curve: &Curve| thinned(&with_origin(curve), request.points);
+        let thin = |curve: &Curve| thinned(&with_origin(curve), most);
         let slope = |curve: &Curve| {
             let slopes = with_origin(curve);
             slopes.windows(2).map(|ends| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])).fold(0.0, f64::max)
@@ -212,18 +254,49 @@ impl FabricCurves {
             shear: thin(fabric.shear()),
             absorption: fabric.absorption(),
         };
-        losses.extend(fabric.has_biaxial().then_some(Loss::BiaxialCoupling));
-        losses.extend(fabric.breaks_by_layers().then_some(Loss::LayerBreaks));
+        self.losses.extend(fabric.has_biaxial().then_some(Loss::BiaxialCoupling));
+        self.losses.extend(fabric.breaks_by_layers().then_some(Loss::LayerBreaks));
         let [md, td] = curves.ends;
-        losses.push(Loss::BreakStrain { md, td });
+        self.losses.push(Loss::BreakStrain { md, td });
         let all = curves.fibres.iter().flatten().map(|(_, curve)| curve).chain([&curves.shear]);
-        losses.extend(sampling(all));
+        self.losses.extend(sampling(all));
         curves
+    }
+
+    /// Flow curves along MD by rate of plastic strain (1/s; none where the curve is of no rate, or of the one that was asked for),
+    /// SI: true stress over plastic strain. `tables`: whether the target has curves by rate.
+    pub(crate) fn flow_curves(&mut self, law: &Plastic, tables: bool) -> Result<Vec<(Option<f64>, Sampled)>, Refusal> {
+        let (request, factor) = (self.request, along_md(law));
+        /// Plastic strain up to which Voce's law, which has no end, is written.
+        const LAST: f64 = 3.0;
+        let of_points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+            let scaled: Vec<[f64; 2]> = points.map(|[p, stress]| [p, factor * stress]).collect();
+            thinned(&scaled, request.points)
+        };
+        let slow = || match law.hardening() {
+            Hardening::Table(curve) => of_points(&mut curve.points()),
+            Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
+        };
+        let rate = law.rates().map_or(Ok(None), |range| request.rate_within(range, tables))?;
+        let curves = match (law.rate(), rate) {
+            (FlowRate::Independent, _) => vec![(None, slow())],
+            (FlowRate::Table(table), None) => {
+                let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
+                std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
+            }
+            (FlowRate::Table(_), Some(rate)) => {
+                self.losses.push(Loss::Rates { kept: rate });
+                let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
+                vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
+            }
+        };
+        self.losses.extend(sampling(curves.iter().map(|(_, curve)| curve)));
+        Ok(curves)
     }
 }
 
 /// The finding of curves that are off.
-pub(crate) fn sampling<'a>(curves: impl Iterator<Item = &'a Sampled>) -> Option<Loss> {
+fn sampling<'a>(curves: impl Iterator<Item = &'a Sampled>) -> Option<Loss> {
     let (points, error) =
         curves.fold((0, 0.0_f64), |(points, error), curve| (points.max(curve.points.len()), error.max(curve.error)));
     (error > 0.0).then_some(Loss::Sampled { points, error })
@@ -333,72 +406,13 @@ pub(crate) fn bulk_modulus(shear: f64, poisson: f64) -> f64 {
     2.0 * shear * (1.0 + poisson) / (3.0 - 6.0 * poisson)
 }
 
-/// Flow curves along MD by rate of plastic strain (1/s; none where the curve is of no rate, or of the one that was asked for), SI:
-/// true stress over plastic strain, all times `factor`. `tables`: whether the target has curves by rate.
-pub(crate) fn flow_curves(
-    law: &Plastic,
-    factor: f64,
-    request: &Request,
-    tables: bool,
-    losses: &mut Vec<Loss>,
-) -> Result<Vec<(Option<f64>, Sampled)>, Refusal> {
-    /// Plastic strain up to which Voce's law, which has no end, is written.
-    const LAST: f64 = 3.0;
-    let of_points = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let scaled: Vec<[f64; 2]> = points.map(|[p, stress]| [p, factor * stress]).collect();
-        thinned(&scaled, request.points)
-    };
-    let slow = || match law.hardening() {
-        Hardening::Table(curve) => of_points(&mut curve.points()),
-        Hardening::Voce(_) => of_function(|p| factor * law.hardening().stress(p), LAST, request.points),
-    };
-    let rate = law.rates().map_or(Ok(None), |range| request.rate_within(range, tables))?;
-    let curves = match (law.rate(), rate) {
-        (FlowRate::Independent, _) => vec![(None, slow())],
-        (FlowRate::Table(table), None) => {
-            let above = table.above().map(|(rate, curve)| (Some(rate), of_points(&mut curve.points())));
-            std::iter::once((Some(table.lowest()), slow())).chain(above).collect()
-        }
-        (FlowRate::Table(_), Some(rate)) => {
-            losses.push(Loss::Rates { kept: rate });
-            let end = if law.hardening().end().is_finite() { law.hardening().end() } else { LAST };
-            vec![(None, of_function(|p| factor * law.flow_stress(p, rate), end, request.points))]
-        }
-    };
-    losses.extend(sampling(curves.iter().map(|(_, curve)| curve)));
-    Ok(curves)
-}
-
-impl Film<'_> {
-    /// Whether it carries no compression.
-    pub(crate) fn wrinkling(&self) -> bool {
-        wrinkles(&self.material.law)
-    }
-
-    /// What a card loses that has neither rupture nor heat.
-    pub(crate) fn lost_to_rupture_and_heat(&self) -> impl Iterator<Item = Loss> {
-        let rupture = self.material.rupture.as_ref().map(|_| Loss::Rupture);
-        let heating = self.material.thermal.as_ref().map(|_| Loss::Heating);
-        rupture.into_iter().chain(heating)
-    }
-
-    /// What a card loses that has neither rupture nor heat nor relaxation.
-    pub(crate) fn lost_beside_the_law(&self) -> impl Iterator<Item = Loss> {
-        self.lost_to_rupture_and_heat().chain(self.material.viscosity.as_ref().map(|_| Loss::Viscosity))
-    }
-}
-
-/// Whether isotropic film carries no compression.
-pub(crate) fn wrinkles(law: &Law) -> bool {
+/// Whether rubber carries no compression.
+fn wrinkles(law: &HyperelasticLaw) -> bool {
     match law {
-        Law::TensionField(_) => true,
-        Law::Hyperelastic(law) => match law {
-            HyperelasticLaw::Polynomial(film) => film.wrinkling,
-            HyperelasticLaw::Gent(film) => film.wrinkling,
-            HyperelasticLaw::Ogden(film) => film.wrinkling,
-            HyperelasticLaw::CompressibleNeoHookean(film) => film.wrinkling,
-        },
-        Law::Fabric(_) | Law::RateFabric(_) | Law::Elastic(_) | Law::Plastic(_) => false,
+        HyperelasticLaw::Polynomial(film) => film.wrinkling,
+        HyperelasticLaw::Gent(film) => film.wrinkling,
+        HyperelasticLaw::Ogden(film) => film.wrinkling,
+        HyperelasticLaw::CompressibleNeoHookean(film) => film.wrinkling,
     }
 }
 

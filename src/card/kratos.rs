@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::film::{Film, Refusal, Request};
-use super::loss::Loss;
+use super::film::{Draft, Refusal};
 use membrane::material::{Elastic, Law};
 
 #[derive(Serialize)]
@@ -43,36 +42,27 @@ struct Variables {
     poisson_ratio: f64,
 }
 
-/// The card with its `head`.
-pub(super) fn write(
-    film: &Film<'_>,
-    request: &Request,
-    losses: &mut Vec<Loss>,
-) -> Result<impl FnOnce(Vec<String>) -> String + use<>, Refusal> {
-    let elastic = match &film.material.law {
-        Law::Elastic(law) => law.clone(),
-        Law::TensionField(field) => {
-            losses.push(Loss::Wrinkling);
-            field.0.clone()
-        }
-        Law::Hyperelastic(_) => return Err(request.no_law("rubber-like film")),
-        Law::Fabric(_) | Law::RateFabric(_) => return Err(request.no_law("fabric")),
-        Law::Plastic(_) => return Err(request.no_law("plastic film")),
-    };
-    losses.extend(film.lost_beside_the_law());
-    let Elastic { young, poisson } = elastic;
-    let system = request.system;
+/// The card with its head.
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let (film, request) = (draft.film, draft.request);
+    let law = &film.material.law;
+    let Elastic { young, poisson } = draft.linear(law).ok_or_else(|| {
+        request.no_law(match law {
+            Law::Hyperelastic(_) => "rubber-like film",
+            Law::Plastic(_) => "plastic film",
+            _ => "fabric",
+        })
+    })?;
+    draft.lose_beside_the_law();
     let variables = Variables {
-        thickness: film.material.thickness * f64::from(request.layers) / system.length(),
-        density: film.material.density / system.density(),
-        young_modulus: young / system.stress(),
-        poisson_ratio: poisson,
+        thickness: film.material.thickness * f64::from(request.layers) / request.system.length(),
+        density: draft.density(),
+        young_modulus: draft.stress(*young),
+        poisson_ratio: *poisson,
     };
     let constitutive_law = ConstitutiveLaw { name: "LinearElasticPlaneStress2DLaw" };
     let material = Substance { name: film.name.to_owned(), constitutive_law, variables };
     let properties = [Properties { model_part_name: "Structure", properties_id: request.id, material }];
-    Ok(move |droptower| {
-        let text = serde_json::to_string_pretty(&Materials { droptower, properties });
-        text.expect("numbers and texts") + "\n"
-    })
+    let text = serde_json::to_string_pretty(&Materials { droptower: super::head(draft), properties });
+    Ok(text.expect("numbers and texts") + "\n")
 }

@@ -23,6 +23,7 @@ pub use loss::{CODES, Loss};
 pub use target::{About, System, Target};
 
 use base::number::significant;
+use film::Draft;
 
 /// A card.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,45 +41,40 @@ pub struct Card {
 pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Refusal> {
     // A name of a stranger's is one line and no keyword.
     let film = &Film { name: &title(film.name), ..film.clone() };
-    let mut losses = vec![];
+    let mut draft = Draft { film, request, losses: vec![] };
+    let body = match request.target {
+        Target::LsDyna => ls_dyna::write(&mut draft)?,
+        Target::OpenRadioss => openradioss::write(&mut draft)?,
+        Target::Abaqus | Target::CalculiX => abaqus::write(&mut draft)?,
+        Target::Febio => febio::write(&mut draft)?,
+        Target::Kratos => kratos::write(&mut draft)?,
+        Target::Curves => curves::write(&mut draft)?,
+    };
     let text = match request.target {
-        Target::LsDyna => {
-            let body = ls_dyna::write(film, request, &mut losses)?;
-            commented("$ ", film, request, &losses) + &body
-        }
+        Target::LsDyna => commented("$ ", &draft) + &body,
         Target::OpenRadioss => {
-            let body = openradioss::write(film, request, &mut losses)?;
             // The first line tells the reader what follows.
             let (first, rest) = body.split_once('\n').unwrap_or((&body, ""));
-            format!("{first}\n{}{rest}", commented("# ", film, request, &losses))
+            format!("{first}\n{}{rest}", commented("# ", &draft))
         }
-        Target::Abaqus | Target::CalculiX => {
-            let body = abaqus::write(film, request, &mut losses)?;
-            commented("** ", film, request, &losses) + &body
-        }
-        Target::Febio => {
-            let body = febio::write(film, request, &mut losses)?;
-            // Two hyphens would end a comment.
-            let head = commented("  ", film, request, &losses).replace("--", "- -");
-            format!("<!--\n{head}-->\n{body}")
-        }
-        Target::Kratos => kratos::write(film, request, &mut losses)?(head(film, request, &losses)),
-        Target::Curves => {
-            let body = curves::write(film, request, &mut losses)?;
-            commented("# ", film, request, &losses) + &body
-        }
+        Target::Abaqus | Target::CalculiX => commented("** ", &draft) + &body,
+        // Two hyphens would end a comment.
+        Target::Febio => format!("<!--\n{}-->\n{body}", commented("  ", &draft).replace("--", "- -")),
+        Target::Kratos => body,
+        Target::Curves => commented("# ", &draft) + &body,
     };
-    Ok(Card { text, losses })
+    Ok(Card { text, losses: draft.losses })
 }
 
 /// The head as lines of comments.
-fn commented(mark: &str, film: &Film<'_>, request: &Request, losses: &[Loss]) -> String {
-    head(film, request, losses).iter().map(|line| format!("{}\n", format!("{mark}{line}").trim_end())).collect()
+fn commented(mark: &str, draft: &Draft<'_>) -> String {
+    head(draft).iter().map(|line| format!("{}\n", format!("{mark}{line}").trim_end())).collect()
 }
 
 /// What a card says of itself: what it was made from, its units and measures, and what it lacks. ASCII, since not every reader
 /// takes more.
-fn head(film: &Film<'_>, request: &Request, losses: &[Loss]) -> Vec<String> {
+fn head(draft: &Draft<'_>) -> Vec<String> {
+    let Draft { film, request, losses } = draft;
     let system = request.system;
     let [mass, length, time, force, stress] = system.words();
     let thickness = film.material.thickness / system.length();

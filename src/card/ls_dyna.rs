@@ -3,10 +3,7 @@
 //! Fields as the keyword classes of pydyna name them (ansys/pydyna, `keyword_classes/auto/mat`). A field has 10 columns, or 20
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
-use super::film::{
-    FabricCurves, Film, Refusal, Request, Sampled, along_md, energy, flow_curves, lost_hill, odd, paths, rising,
-    shear_modulus,
-};
+use super::film::{Draft, Refusal, Request, Sampled, energy, lost_hill, odd, paths, rising, shear_modulus};
 use super::layout::in_columns;
 use super::layout::{
     Field,
@@ -15,7 +12,7 @@ use super::layout::{
 };
 use super::loss::Loss;
 use super::target::System;
-use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
+use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, PronyTerm, Viscosity};
 
 /// Terms of Ogden's law.
 const TERMS: usize = 8;
@@ -79,57 +76,34 @@ impl<'a> Keyword<'a> {
 }
 
 /// The card without its head.
-pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let body = match &film.material.law {
-        Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
-        Law::Elastic(elastic) => {
-            losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic));
-            isotropic(film, elastic, request)
-        }
-        Law::TensionField(film_field) => {
-            losses.extend([Loss::Wrinkling, Loss::strain_measure("*MAT_ELASTIC, hypoelastic", &film_field.0)]);
-            isotropic(film, &film_field.0, request)
-        }
-        Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
-        Law::Plastic(law) => plastic(film, law, request, losses)?,
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let law = &draft.film.material.law;
+    let body = match (draft.linear(law), law) {
+        (Some(elastic), _) => isotropic(draft, elastic),
+        (None, Law::Hyperelastic(law)) => rubber(draft, law)?,
+        (None, Law::Plastic(law)) => plastic(draft, law)?,
+        (None, _) => fabric(draft)?,
     };
     Ok(format!("*KEYWORD\n{body}*END\n"))
 }
 
-fn isotropic(film: &Film<'_>, elastic: &Elastic, request: &Request) -> String {
-    let of = Units(request.system);
-    let values = vec![of.id(request), of.density(film), of.stress(elastic.young), Real(elastic.poisson)];
-    Keyword::of("MAT_ELASTIC", Some(film.name), ELASTIC, vec![values]).text()
+/// Number and density, with which all materials begin.
+fn number_and_density(draft: &Draft<'_>) -> [Field; 2] {
+    [Whole(draft.request.id.into()), Real(draft.density())]
 }
 
-/// Fields of values in a system of units.
-#[derive(Clone, Copy)]
-struct Units(System);
-
-impl Units {
-    fn id(self, request: &Request) -> Field {
-        Whole(request.id.into())
-    }
-
-    fn density(self, film: &Film<'_>) -> Field {
-        Real(film.material.density / self.0.density())
-    }
-
-    fn stress(self, stress: f64) -> Field {
-        Real(stress / self.0.stress())
-    }
-
-    fn rate(self, rate: f64) -> Field {
-        Real(rate * self.0.time())
-    }
+fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
+    draft.losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic));
+    let [id, density] = number_and_density(draft);
+    let values = vec![id, density, Real(draft.stress(elastic.young)), Real(elastic.poisson)];
+    Keyword::of("MAT_ELASTIC", Some(draft.film.name), ELASTIC, vec![values]).text()
 }
 
 /// MAT_034. What follows the curves decides FORM and with it the last cards: -14 with hysteresis, 14 with unloading curves or
 /// without absorption.
-fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let of = Units(request.system);
-    let law = &film.material.law;
-    let curves = FabricCurves::of(law, request, true, losses)?;
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let (film, request) = (draft.film, draft.request);
+    let curves = draft.fabric_curves(true)?;
     let stress = request.system.stress();
     let mut numbers = Numbers::of(request);
     let mut text = String::new();
@@ -146,7 +120,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
             slowest.points = up;
             down.extend(unloading);
         }
-        below.push(stresses(name, &fibre, stress, &mut numbers, &mut text, request));
+        below.push(stresses(name, &fibre, &mut numbers, &mut text, request));
     }
     let end = curves.shear.points.last().map_or(0.0, |point| point[0]);
     let (shear, unloading) = paths(&curves.shear, end, absorption);
@@ -159,7 +133,7 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
     match request.unloading_from {
         _ if curves.absorption == 0.0 => {}
         Some(_) => {
-            losses.push(Loss::UnloadingFrom { md: from[0], td: from[1] });
+            draft.losses.push(Loss::UnloadingFrom { md: from[0], td: from[1] });
             for (points, name) in down.iter().zip(["MD", "TD", "shear"]) {
                 let title = format!("{name}, unloading");
                 below.push(Whole(curve(&mut numbers, &mut text, &title, points, [1.0, stress])));
@@ -167,14 +141,15 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
         }
         None => {
             (form, hysteresis) = (-14, curves.absorption);
-            losses.push(Loss::Hysteresis { share: curves.absorption });
+            draft.losses.push(Loss::Hysteresis { share: curves.absorption });
         }
     }
-    losses.extend(film.lost_beside_the_law());
-    let [along, across, shear] = curves.slopes.map(|slope| of.stress(slope));
+    draft.lose_beside_the_law();
+    let [along, across, shear] = curves.slopes.map(|slope| Real(draft.stress(slope)));
     let md = request.md().map(Real);
+    let [id, density] = number_and_density(draft);
     let values = vec![
-        vec![of.id(request), of.density(film), along, across, Real(0.0), Real(0.0)],
+        vec![id, density, along, across, Real(0.0), Real(0.0)],
         vec![shear, Real(1.0)],
         vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)],
         vec![Blank, Blank, md[0], md[1], Real(0.0)],
@@ -224,92 +199,88 @@ pub(crate) fn define_curve(number: i64, title: &str, points: &[[f64; 2]], units:
 fn stresses(
     title: &str,
     curves: &[(Option<f64>, Sampled)],
-    stress: f64,
     numbers: &mut Numbers,
     text: &mut String,
     request: &Request,
 ) -> Field {
+    let units = [1.0, request.system.stress()];
     if let [(_, only)] = curves {
-        return Whole(curve(numbers, text, title, &only.points, [1.0, stress]));
+        return Whole(curve(numbers, text, title, &only.points, units));
     }
     // The curves of a table follow it, in the order of their rates.
     let table = numbers.next();
     let mut rates = String::new();
     for (rate, _) in curves {
-        let rate = written(Units(request.system).rate(rate.unwrap_or_default()), 20);
+        let rate = written(Real(rate.unwrap_or_default() * request.system.time()), 20);
         rates += &format!("{rate:>20}\n");
     }
     let keyword = Keyword::of("DEFINE_TABLE", None, &[TABLE], vec![vec![Whole(table), Real(1.0), Real(0.0)]]);
     *text += &format!("$ {title}, by strain rate\n{}{rates}", keyword.text());
     for (rate, sampled) in curves {
         let title = format!("{title} at {} 1/s", rate.unwrap_or_default());
-        curve(numbers, text, &title, &sampled.points, [1.0, stress]);
+        curve(numbers, text, &title, &sampled.points, units);
     }
     Whole(table)
 }
 
-fn rubber(
-    film: &Film<'_>,
-    law: &HyperelasticLaw,
-    request: &Request,
-    losses: &mut Vec<Loss>,
-) -> Result<String, Refusal> {
-    let of = Units(request.system);
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+    let (film, request) = (draft.film, draft.request);
     if matches!(law, HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_)) {
         return Err(request.no_law(energy(law)));
     }
-    let poisson = request.poisson_of(law);
-    losses.push(Loss::Compressible { poisson });
-    losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.lost_to_rupture_and_heat());
+    draft.lose_of_rubber(law);
+    draft.lose_rupture_and_heat();
     // Prony moduli are added to the law, which is that of film that has relaxed.
     let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
-    let head = vec![of.id(request), of.density(film), Real(poisson), Whole(0)];
+    let [id, density] = number_and_density(draft);
+    let head = vec![id, density, Real(request.poisson_of(law)), Whole(0)];
     let mut keyword = match law {
         HyperelasticLaw::Polynomial(rubber) => {
             let Polynomial { first: [c10, c20, c30], second } = rubber.energy;
-            let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| of.stress(relaxed * c));
+            let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| Real(draft.stress(relaxed * c)));
             let coefficients = vec![c10, c01, Real(0.0), c20, Real(0.0), c30];
             Keyword::of("MAT_HYPERELASTIC_RUBBER", Some(film.name), POLYNOMIAL, vec![head, coefficients])
         }
         _ => {
             let terms = request.ogden(law, TERMS)?;
-            let mu = terms.iter().map(|term| of.stress(relaxed * term.mu)).collect();
+            let mu = terms.iter().map(|term| Real(draft.stress(relaxed * term.mu))).collect();
             let alpha = terms.iter().map(|term| Real(term.alpha)).collect();
             Keyword::of("MAT_OGDEN_RUBBER", Some(film.name), OGDEN, vec![head, mu, alpha])
         }
     };
     if let Some(viscosity) = &film.material.viscosity {
-        losses.push(Loss::LinearViscosity);
-        keyword.cards.extend(prony(viscosity, shear_modulus(law), of));
+        draft.losses.push(Loss::LinearViscosity);
+        keyword.cards.extend(prony(viscosity, shear_modulus(law), request.system));
     }
     Ok(keyword.text())
 }
 
 /// A card for each term: its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
 /// copies it as that), and its decay constant.
-fn prony(viscosity: &Viscosity, shear: f64, of: Units) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
+fn prony(viscosity: &Viscosity, shear: f64, system: System) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
     let instant = viscosity.instant() * shear;
     let terms = viscosity.terms().iter();
-    terms.map(move |term| (PRONY, vec![of.stress(instant * term.share), of.rate(1.0 / term.time)]))
+    let term = move |term: &PronyTerm| [instant * term.share / system.stress(), 1.0 / term.time * system.time()];
+    terms.map(move |of| (PRONY, term(of).map(Real).to_vec()))
 }
 
-fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let of = Units(request.system);
-    let flow = flow_curves(law, along_md(law), request, true, losses)?;
-    losses.extend(lost_hill(law));
-    losses.push(Loss::StressOfVolume);
-    losses.extend(film.lost_beside_the_law());
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+    let request = draft.request;
+    let flow = draft.flow_curves(law, true)?;
+    draft.losses.extend(lost_hill(law));
+    draft.losses.push(Loss::StressOfVolume);
+    draft.lose_beside_the_law();
     let (mut numbers, mut text) = (Numbers::of(request), String::new());
     let title = "true stress over plastic strain";
-    let lcss = stresses(title, &flow, request.system.stress(), &mut numbers, &mut text, request);
+    let lcss = stresses(title, &flow, &mut numbers, &mut text, request);
     // Viscoplastic, so that a table is read at the rate of plastic strain.
     let vp = if flow.len() > 1 { Real(1.0) } else { Blank };
     let Elastic { young, poisson } = law.elastic();
     let yields = flow[0].1.points[0][1];
+    let [id, density] = number_and_density(draft);
     let values = vec![
-        vec![of.id(request), of.density(film), of.stress(*young), Real(*poisson), of.stress(yields)],
+        vec![id, density, Real(draft.stress(*young)), Real(*poisson), Real(draft.stress(yields))],
         vec![Blank, Blank, lcss, Blank, vp],
     ];
-    Ok(Keyword::of("MAT_PIECEWISE_LINEAR_PLASTICITY", Some(film.name), PLASTIC, values).text() + &text)
+    Ok(Keyword::of("MAT_PIECEWISE_LINEAR_PLASTICITY", Some(draft.film.name), PLASTIC, values).text() + &text)
 }

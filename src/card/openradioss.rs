@@ -5,7 +5,7 @@
 //! (`engine/source/materials/mat/mat058/sigeps58c.F`), and shear over the angle in degrees. Its starter refuses curves that do not
 //! rise, and unloading that does not meet loading (`starter/source/materials/mat/mat058/law58_upd.F`).
 
-use super::film::{FabricCurves, Film, Refusal, Request, along_md, flow_curves, lost_hill, odd, paths, shear_modulus};
+use super::film::{Draft, Refusal, lost_hill, odd, paths, shear_modulus};
 use super::layout::{
     Field,
     Field::{Real, Whole},
@@ -95,45 +95,43 @@ pub(crate) fn function(number: i64, title: &str, points: impl IntoIterator<Item 
 }
 
 /// The card without its head.
-pub(super) fn write(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
-    let body = match &film.material.law {
-        Law::Fabric(_) | Law::RateFabric(_) => fabric(film, request, losses)?,
-        Law::Elastic(elastic) => orthotropic(film, elastic, request, losses),
-        Law::TensionField(field) => {
-            losses.push(Loss::Wrinkling);
-            orthotropic(film, &field.0, request, losses)
-        }
-        Law::Hyperelastic(law) => rubber(film, law, request, losses)?,
-        Law::Plastic(law) => plastic(film, law, request, losses)?,
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+    let law = &draft.film.material.law;
+    let body = match (draft.linear(law), law) {
+        (Some(elastic), _) => orthotropic(draft, elastic),
+        (None, Law::Hyperelastic(law)) => rubber(draft, law)?,
+        (None, Law::Plastic(law)) => plastic(draft, law)?,
+        (None, _) => fabric(draft)?,
     };
     Ok(format!("#RADIOSS STARTER\n{body}/END\n"))
 }
 
 /// A material with these values in the lines of its layout below the density.
-fn material(film: &Film<'_>, request: &Request, law: &str, layout: Layout, values: &[&[Field]]) -> Block {
-    let density = [Real(film.material.density / request.system.density())];
+fn material(draft: &Draft<'_>, law: &str, layout: Layout, values: &[&[Field]]) -> Block {
+    let density = [Real(draft.density())];
     let rest = std::iter::repeat(&[][..]);
     let lines = std::iter::once(&density[..]).chain(values.iter().copied()).chain(rest);
-    let block = Block::begin(&format!("/MAT/{law}/{}", request.id), film.name);
+    let block = Block::begin(&format!("/MAT/{law}/{}", draft.request.id), draft.film.name);
     layout.iter().zip(lines).fold(block, |block, (names, values)| block.line(names, values))
 }
 
 /// LAW19: linear, of isotropic film the same along both directions.
-fn orthotropic(film: &Film<'_>, elastic: &Elastic, request: &Request, losses: &mut Vec<Loss>) -> String {
-    losses.push(Loss::strain_measure("LAW19, logarithmic", elastic));
-    losses.extend(film.lost_beside_the_law());
-    let [young, shear] = [elastic.young, elastic.young / (2.0 + 2.0 * elastic.poisson)]
-        .map(|stress| Real(stress / request.system.stress()));
+fn orthotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
+    draft.losses.push(Loss::strain_measure("LAW19, logarithmic", elastic));
+    draft.lose_beside_the_law();
+    let Elastic { young, poisson } = *elastic;
+    let [young, shear] = [young, young / (2.0 + 2.0 * poisson)].map(|stress| Real(draft.stress(stress)));
     // No reduction in compression.
-    let values: [&[Field]; 3] = [&[young, young, Real(elastic.poisson)], &[shear; 3], &[Real(1.0)]];
-    material(film, request, "LAW19", LAW19, &values).0
+    let values: [&[Field]; 3] = [&[young, young, Real(poisson)], &[shear; 3], &[Real(1.0)]];
+    material(draft, "LAW19", LAW19, &values).0
 }
 
 /// LAW58. Its seven lines refer to functions by number, so that these are written first and stand behind it.
-fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
     const DEGREES: f64 = std::f64::consts::PI / 180.0;
-    let curves = FabricCurves::of(&film.material.law, request, false, losses)?;
-    losses.extend(film.lost_beside_the_law());
+    let request = draft.request;
+    let curves = draft.fabric_curves(false)?;
+    draft.lose_beside_the_law();
     let stress = request.system.stress();
     let [md, td] = &curves.fibres;
     let (mut functions, mut number) = (String::new(), 100 * i64::from(request.id));
@@ -161,9 +159,9 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
         }
     }
     if curves.absorption > 0.0 {
-        losses.extend([Loss::UnloadingFrom { md: from[0], td: from[1] }, Loss::ScaledUnloading]);
+        draft.losses.extend([Loss::UnloadingFrom { md: from[0], td: from[1] }, Loss::ScaledUnloading]);
     }
-    losses.push(Loss::ShearOfPresentArea);
+    draft.losses.push(Loss::ShearOfPresentArea);
     let [e1, e2, shear] = curves.slopes.map(|slope| Real(slope / stress));
     let [fct4, fct5, fct6] = unloads.map(Whole);
     let (none, one) = (Real(0.0), Real(1.0));
@@ -177,42 +175,37 @@ fn fabric(film: &Film<'_>, request: &Request, losses: &mut Vec<Loss>) -> Result<
         &[Whole(loading[2]), one],
         &[fct4, fct5, one, one, fct6, one],
     ];
-    Ok(material(film, request, "LAW58", LAW58, &values).0 + &functions)
+    Ok(material(draft, "LAW58", LAW58, &values).0 + &functions)
 }
 
 /// LAW42: Ogden's law, with Prony moduli.
-fn rubber(
-    film: &Film<'_>,
-    law: &HyperelasticLaw,
-    request: &Request,
-    losses: &mut Vec<Loss>,
-) -> Result<String, Refusal> {
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+    let request = draft.request;
     let terms = request.ogden(law, TERMS)?;
-    losses.push(Loss::Compressible { poisson: request.poisson_of(law) });
-    losses.extend(film.wrinkling().then_some(Loss::Wrinkling));
-    losses.extend(film.lost_to_rupture_and_heat());
-    let stress = request.system.stress();
-    let viscosity = film.material.viscosity.as_ref();
+    draft.lose_of_rubber(law);
+    draft.lose_rupture_and_heat();
+    let viscosity = draft.film.material.viscosity.as_ref();
     let relaxed = viscosity.map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
     let prony = viscosity.map_or(&[][..], |viscosity| viscosity.terms());
-    losses.extend(viscosity.map(|_| Loss::LinearViscosity));
-    let mu: Vec<Field> = terms.iter().map(|term| Real(relaxed * term.mu / stress)).collect();
+    draft.losses.extend(viscosity.map(|_| Loss::LinearViscosity));
+    let mu: Vec<Field> = terms.iter().map(|term| Real(draft.stress(relaxed * term.mu))).collect();
     let alpha: Vec<Field> = terms.iter().map(|term| Real(term.alpha)).collect();
     let poisson = Real(request.poisson_of(law));
     let head = [poisson, Real(0.0), Whole(0), Whole(0), Real(1.0), Whole(prony.len() as i64), Whole(0)];
     let instant = viscosity.map_or(1.0, |viscosity| viscosity.instant()) * shear_modulus(law);
-    let moduli: Vec<Field> = prony.iter().map(|term| Real(instant * term.share / stress)).collect();
+    let moduli: Vec<Field> = prony.iter().map(|term| Real(draft.stress(instant * term.share))).collect();
     let times: Vec<Field> = prony.iter().map(|term| Real(term.time / request.system.time())).collect();
-    let block = material(film, request, "LAW42", LAW42, &[&head, &mu, &[], &alpha]);
+    let block = material(draft, "LAW42", LAW42, &[&head, &mu, &[], &alpha]);
     Ok(block.fives(OF_MODULI, &moduli).fives(OF_TIMES, &times).0)
 }
 
 /// LAW43 with Hill's yield function, LAW36 with von Mises'.
-fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<Loss>) -> Result<String, Refusal> {
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+    let request = draft.request;
     let is_hill = lost_hill(law).is_some();
-    let flow = flow_curves(law, along_md(law), request, true, losses)?;
-    losses.push(Loss::StressOfVolume);
-    losses.extend(film.lost_beside_the_law());
+    let flow = draft.flow_curves(law, true)?;
+    draft.losses.push(Loss::StressOfVolume);
+    draft.lose_beside_the_law();
     let (stress, time) = (request.system.stress(), request.system.time());
     let Elastic { young, poisson } = law.elastic();
     let elastic = [Real(young / stress), Real(*poisson)];
@@ -232,7 +225,7 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
         // Lankford values, and the curve of MD: a zero would make it the mean of all directions.
         let ratios = [r00, r45, r90, none, Whole(1)];
         let limits = [NEVER, NEVER, NEVER, none, Whole(0)];
-        let block = material(film, request, "LAW43", LAW43, &[&elastic, &[Whole(0), none, none], &ratios, &limits]);
+        let block = material(draft, "LAW43", LAW43, &[&elastic, &[Whole(0), none, none], &ratios, &limits]);
         numbers.iter().zip(&rates).fold(block, |block, (number, rate)| block.line(OF_RATE, &[*number, one, *rate]))
     } else {
         let [young, poisson] = elastic;
@@ -241,7 +234,7 @@ fn plastic(film: &Film<'_>, law: &Plastic, request: &Request, losses: &mut Vec<L
             &[Whole(rates.len() as i64), Whole(0), none, none, NEVER, Whole(1)],
             &[Whole(0), one, Whole(0), none, none],
         ];
-        let block = material(film, request, "LAW36", LAW36, &values);
+        let block = material(draft, "LAW36", LAW36, &values);
         block.fives(OF_FUNCTIONS, &numbers).fives(OF_SCALES, &vec![one; rates.len()]).fives(OF_RATES, &rates)
     };
     Ok(block.0 + &functions)
