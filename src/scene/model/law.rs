@@ -4,6 +4,7 @@ use super::ModelDiagnostics;
 use crate::scenario::{self, Energy, HillRatios, Level, Moduli, Point, PronyOf, Shift};
 use base::number::significant;
 use base::units::{Pressure, Rate};
+use lab::experiment::law_fit::hyperelastic::ENERGIES;
 use membrane::material::{
     Arrhenius, CompressibleNeoHookean, Criterion, CurveError, Elastic, FlowCurve, FlowCurveError, FlowRate, Gent,
     Hardening, Hill, Hyperelastic, HyperelasticLaw, Law, Ogden, OgdenTerm, Plastic, Polynomial, PronyTerm, RateTable,
@@ -19,7 +20,8 @@ pub(super) fn check_hyperelastic(
     path: &str,
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Law> {
-    let own = coefficients(written.law);
+    // Variants in the order of the table.
+    let (law, own) = ENERGIES[written.law as usize];
     let keys: Keys = [
         ("mu", written.mu.is_some()),
         ("alpha", written.alpha.is_some()),
@@ -31,7 +33,6 @@ pub(super) fn check_hyperelastic(
         ("young", written.young.is_some()),
         ("poisson", written.poisson.is_some()),
     ];
-    let law = law_word(written.law);
     let has = format!("`{law}` has {}", own.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "));
     for (key, is_written) in keys {
         match (own.contains(&key), is_written) {
@@ -77,29 +78,6 @@ pub(super) fn check_hyperelastic(
             HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy, wrinkling })
         }
     }))
-}
-
-/// Keys of the coefficients of a law.
-fn coefficients(law: Energy) -> &'static [&'static str] {
-    match law {
-        Energy::NeoHookean => &["mu"],
-        Energy::CompressibleNeoHookean => &["young", "poisson"],
-        Energy::MooneyRivlin => &["c10", "c01"],
-        Energy::Yeoh => &["c10", "c20", "c30"],
-        Energy::Gent => &["mu", "jm"],
-        Energy::Ogden => &["mu", "alpha"],
-    }
-}
-
-fn law_word(law: Energy) -> &'static str {
-    match law {
-        Energy::NeoHookean => "neo-hookean",
-        Energy::CompressibleNeoHookean => "compressible-neo-hookean",
-        Energy::MooneyRivlin => "mooney-rivlin",
-        Energy::Yeoh => "yeoh",
-        Energy::Gent => "gent",
-        Energy::Ogden => "ogden",
-    }
 }
 
 /// The one shear modulus of `law`, Pa.
@@ -381,4 +359,26 @@ pub(super) fn check_rupture(
     };
     let fracture_energy = rupture.energy.map_or(0.0, |energy| energy.0);
     Some(Rupture { criterion, limit, fracture_energy })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energies_have_the_names_of_their_rows() {
+        for (row, law) in [
+            Energy::NeoHookean,
+            Energy::CompressibleNeoHookean,
+            Energy::MooneyRivlin,
+            Energy::Yeoh,
+            Energy::Gent,
+            Energy::Ogden,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            assert_eq!((law as usize, serde_json::to_value(law).unwrap()), (row, ENERGIES[row].0.into()));
+        }
+    }
 }

@@ -24,6 +24,16 @@ use membrane::material::{
     CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Law, Ogden, OgdenTerm, Polynomial, Tension,
 };
 
+/// Energies by their names in a material file, with the keys of their coefficients there.
+pub const ENERGIES: [(&str, &[&str]); 6] = [
+    ("neo-hookean", &["mu"]),
+    ("compressible-neo-hookean", &["young", "poisson"]),
+    ("mooney-rivlin", &["c10", "c01"]),
+    ("yeoh", &["c10", "c20", "c30"]),
+    ("gent", &["mu", "jm"]),
+    ("ogden", &["mu", "alpha"]),
+];
+
 /// An energy of rubber-like film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Energy {
@@ -58,32 +68,33 @@ impl Energy {
     pub const WORDS: &'static str =
         "neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N with 1 to 6 terms";
 
+    /// Its row among the [`ENERGIES`].
+    fn row(self) -> (&'static str, &'static [&'static str]) {
+        ENERGIES[match self {
+            Energy::NeoHookean => 0,
+            Energy::CompressibleNeoHookean => 1,
+            Energy::MooneyRivlin => 2,
+            Energy::Yeoh => 3,
+            Energy::Gent => 4,
+            Energy::Ogden { .. } => 5,
+        }]
+    }
+
     /// Its name in a material file.
     pub fn law(self) -> &'static str {
-        match self {
-            Energy::NeoHookean => "neo-hookean",
-            Energy::CompressibleNeoHookean => "compressible-neo-hookean",
-            Energy::MooneyRivlin => "mooney-rivlin",
-            Energy::Yeoh => "yeoh",
-            Energy::Gent => "gent",
-            Energy::Ogden { .. } => "ogden",
-        }
+        self.row().0
     }
 
     /// Names of the coefficients; those of Ogden's law up to `most`, a modulus and an exponent a term.
     pub fn names(self, most: usize) -> Vec<String> {
-        let fixed: &[&str] = match self {
-            Energy::NeoHookean => &["mu"],
-            Energy::CompressibleNeoHookean => &["young", "poisson"],
-            Energy::MooneyRivlin => &["c10", "c01"],
-            Energy::Yeoh => &["c10", "c20", "c30"],
-            Energy::Gent => &["mu", "jm"],
+        let keys = self.row().1.iter();
+        match self {
             Energy::Ogden { terms } => {
-                let names = (1..=terms).flat_map(|term| [format!("mu_{term}"), format!("alpha_{term}")]);
-                return names.take(most).collect();
+                let of_term = |term: usize| keys.clone().map(move |key| format!("{key}_{term}"));
+                (1..=terms).flat_map(of_term).take(most).collect()
             }
-        };
-        fixed.iter().map(|name| (*name).to_owned()).collect()
+            _ => keys.map(|key| (*key).to_owned()).collect(),
+        }
     }
 
     /// Whether the coefficient of this name is in Pa.
