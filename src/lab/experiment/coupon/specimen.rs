@@ -8,7 +8,7 @@ use super::recording::{CouponReader, CouponTest, Dimensions, SpecimenNote, with_
 use super::{Direction, Sample, shear};
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
-use crate::signal::export::{Specimen, Stated, Statement, is_displacement, is_force};
+use crate::signal::export::{Key, Specimen, Stated, Statement, is_displacement, is_force};
 use crate::signal::{Annotations, Series, ambiguous, check_dimension, missing};
 use base::number::significant;
 use base::units::{Dimension, Force, Length};
@@ -50,9 +50,9 @@ impl CouponReader {
         comments: &[String],
         replaced: &mut Vec<String>,
     ) -> Result<(Direction, f64), Error> {
-        let Stated { speed, direction, .. } = &specimen.stated;
+        let speed = specimen.stated.quantities.get(&Key::Speed);
         let mut header = comments.to_vec();
-        header.extend(direction.iter().map(|word| format!("direction: {word}")));
+        header.extend(specimen.stated.direction.iter().map(|word| format!("direction: {word}")));
         header.extend(speed.iter().map(|speed| format!("velocity: {} m/s", speed.value)));
         if let (Some(given), Some(speed)) = (self.given.velocity, speed)
             && !is_same_speed(given, speed.value)
@@ -111,10 +111,11 @@ impl Dimensions {
             }
             given.or(head.map(|head| head.value))
         };
+        let head = |key: Key| stated.quantities.get(&key);
         Dimensions {
-            gauge: one("gauge", self.gauge, stated.grips.as_ref().or(stated.gauge.as_ref())),
-            width: one("width", self.width, stated.width.as_ref()),
-            thickness: one("thickness", self.thickness, stated.thickness.as_ref()),
+            gauge: one("gauge", self.gauge, head(Key::Grips).or(head(Key::Gauge))),
+            width: one("width", self.width, head(Key::Width)),
+            thickness: one("thickness", self.thickness, head(Key::Thickness)),
         }
     }
 

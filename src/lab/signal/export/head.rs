@@ -73,14 +73,15 @@ fn give(item: &Item, whose: &[usize], specimens: &mut [Specimen], mark: Mark) ->
         };
         let statement = Statement { value: parsed.to_si(value), written: written(unit) };
         let name = specimen.name.clone();
-        let Some(slot) = specimen.stated.slot(item.key) else { continue };
-        match slot {
+        match specimen.stated.quantities.get(&item.key) {
             Some(first) if first.value != statement.value => {
                 let (key, first, second) = (&item.word, &first.written, &statement.written);
                 let error = refusal!("the head states `{key}` of {name} twice: {first} and {second}");
                 return Err(refused(error, "leave one of them"));
             }
-            _ => *slot = Some(statement),
+            _ => {
+                specimen.stated.quantities.insert(item.key, statement);
+            }
         }
     }
     Ok(())
