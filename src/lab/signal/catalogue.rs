@@ -1,13 +1,14 @@
-//! Recordings in files that list their channels before the values: each with a group, a unit, and a time of its own or
-//! one that several share.
+//! The channels of a file, before their values are read: each with a unit, and a time of its own or one that several share. A
+//! format is a [`Catalogue`]; which channels are wanted, their units and their times are settled here for all formats.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::path::Path;
 
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
-use crate::signal::measurement::{MOST_VALUES, find, no_unit, not_a_time, not_finite, not_increasing, not_one};
-use crate::signal::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning, csv};
+use crate::signal::measurement::{MOST_VALUES, Table, find, no_unit, not_a_time, not_finite, not_increasing, not_one};
+use crate::signal::{
+    Annotations, ChannelSelection, Column, MeasuredChannel, Measurement, ReadOptions, Series, Warning,
+};
 use base::budget::Numbers;
 use base::diagnostic::listed;
 use base::number::significant;
@@ -20,10 +21,16 @@ pub struct Entry {
     pub group: String,
     /// Name and unit; its label has the group before it: `GROUP/CHANNEL`.
     pub column: ColumnName,
-    /// Number of samples.
-    pub samples: u64,
+    /// The name that a channel code stands for, where the file states it; the channel is found by it, too.
+    pub long_name: Option<String>,
+    /// Number of samples; none where the values alone show it.
+    pub samples: Option<u64>,
     /// Times of the samples.
     pub axis: Axis,
+    /// The channel frequency class that it was filtered with before, as the file states beside it.
+    pub filtered: Option<f64>,
+    /// Whether it is read only where it is named: a time axis, or a channel beside the file that is asked for.
+    pub by_name_only: bool,
     /// Why its values cannot be read, where they cannot.
     pub unread: Option<String>,
 }
@@ -42,16 +49,35 @@ pub enum Axis {
     Channel(usize),
     /// Not at all; a channel of its group may be named like a time.
     Unknown,
+    /// By statements that are wrong or missing.
+    Refused(Error),
 }
 
 impl Entry {
+    /// The channel of a `group` with this name and unit; without samples and times as yet.
+    pub fn from_column(group: &str, mut column: ColumnName) -> Entry {
+        if !group.is_empty() {
+            column.label = format!("{group}/{}", column.label);
+        }
+        Entry {
+            group: group.to_owned(),
+            column,
+            long_name: None,
+            samples: None,
+            axis: Axis::Unknown,
+            filtered: None,
+            by_name_only: false,
+            unread: None,
+        }
+    }
+
     /// The channel `name` of a `group`, with the unit that the file states of it; without samples and times as yet.
     ///
     /// # Errors
     /// Its name states another unit.
     pub fn new(group: &str, name: &str, unit: Option<&str>) -> Result<Entry, Error> {
-        let mut column = ColumnName::read(name);
-        column.label = if group.is_empty() { name.to_owned() } else { format!("{group}/{name}") };
+        let mut entry = Entry::from_column(group, ColumnName { label: name.to_owned(), ..ColumnName::read(name) });
+        let column = &mut entry.column;
         match unit.map(str::trim).filter(|unit| !unit.is_empty()).map(|unit| (unit, Unit::parse(unit))) {
             Some((stated, Ok(unit))) => {
                 if let Some(named) = column.unit.as_ref().filter(|named| **named != unit) {
@@ -66,12 +92,27 @@ impl Entry {
             Some((stated, Err(_))) if column.unit.is_none() => column.unknown_unit = Some(stated.to_owned()),
             _ => {}
         }
-        Ok(Entry { group: group.to_owned(), column, samples: 0, axis: Axis::Unknown, unread: None })
+        Ok(entry)
     }
 
     /// The name with the group before it.
     pub fn label(&self) -> &str {
         &self.column.label
+    }
+
+    /// The name, with the group before it where there is one: without the unit that a header may have behind it.
+    fn title(&self) -> &str {
+        if self.group.is_empty() { &self.column.name } else { self.label() }
+    }
+
+    /// The names by which it is found.
+    fn names(&self) -> [&str; 2] {
+        [&self.column.name, self.long_name.as_deref().unwrap_or(self.label())]
+    }
+
+    /// The unit of the file or of the caller, which may also give one of all `others`; both where they agree.
+    fn unit(&self, options: &ReadOptions, others: Option<&Unit>) -> Result<Option<Unit>, Error> {
+        options.unit(self.names(), self.column.unit.as_ref(), others, self.title())
     }
 }
 
@@ -104,7 +145,7 @@ impl Columns {
         for column in 0..columns {
             let own = if columns > 1 { format!("{name}(:,{})", column + 1) } else { name.to_owned() };
             let mut entry = Entry::new(group, &own, unit)?;
-            entry.samples = rows;
+            entry.samples = Some(rows);
             entry.unread.clone_from(&unread);
             self.entries.push(entry);
             self.places.push((array, column as usize));
@@ -147,34 +188,84 @@ impl Binary {
     }
 }
 
+/// Values that were read before they are asked for, by the places of their channels.
+#[derive(Clone, Debug, Default)]
+pub struct Loaded(HashMap<usize, Vec<Vec<f64>>>);
+
+impl Loaded {
+    /// Adds the values of a channel, as often as they are asked for.
+    pub fn insert(&mut self, place: usize, values: Vec<f64>) {
+        self.0.entry(place).or_default().push(values);
+    }
+
+    /// The values of a channel, for the last time.
+    pub fn take(&mut self, place: usize) -> Vec<f64> {
+        self.0.get_mut(&place).and_then(Vec::pop).unwrap_or_default()
+    }
+}
+
+/// What a mistake in a file is about, by which a format finds its place.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject {
+    /// The list of the channels.
+    List,
+    /// The unit of the channel at this place in the list.
+    Unit(usize),
+    /// The statements on the times of a channel.
+    Times(usize),
+    /// A sample of a channel, counted from zero.
+    Sample(usize, usize),
+}
+
+/// How messages about a format speak of its channels.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms {
+    /// What names a channel.
+    pub channel: &'static str,
+    /// A list without a channel to read.
+    pub none: &'static str,
+    /// Whether it is a table in text, to which the caller may give names, and whose columns may do without units.
+    pub is_table: bool,
+}
+
 /// A file that lists its channels.
 pub trait Catalogue {
     /// Its channels, in the order of the file.
     fn entries(&self) -> &[Entry];
 
-    /// Comments of the file, and what its listing reports.
-    fn annotations(&self) -> Annotations;
+    /// Comments of the file, and what its reading reports.
+    fn annotations(&mut self) -> &mut Annotations;
 
     /// The values of the channel at a place of the list, in the unit of the file; `NaN` where nothing was measured.
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error>;
+
+    /// Reads the values of these channels and `times` before they are asked for, where the file is read once from its beginning.
+    fn load(&mut self, _channels: &[usize], _times: &[usize]) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Compares what the file states of a channel with its samples, in the unit of the file.
+    fn review(&mut self, _place: usize, _times: &Numbers, _values: &[f64]) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// A mistake with its place in the file.
+    fn locate(&self, _subject: Subject, error: Error) -> Error {
+        error
+    }
+
+    /// How messages speak of its channels.
+    fn terms(&self) -> Terms {
+        Terms { channel: "GROUP/CHANNEL", none: "no channel with numbers", is_table: false }
+    }
 }
 
 /// Reads the wanted channels, each over its times.
 ///
 /// Holds them and nothing else of the file: 8 bytes a value, and as much again for one channel while it is finished.
-pub fn measure(file: &mut dyn Catalogue, path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
-    measured(file, options).map_err(|error| error.in_file(path))
-}
-
-/// Reads the wanted channels without their times, as columns of one length.
-pub fn columns(file: &mut dyn Catalogue, path: &Path, options: &ReadOptions) -> Result<csv::Table, Error> {
-    tabled(file, options).map_err(|error| error.in_file(path))
-}
-
-fn measured(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Error> {
-    let mut annotations = file.annotations();
+pub fn measure(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Error> {
     let entries = file.entries().to_vec();
-    let given = options.time.as_ref().map(|name| find_entry(&entries, name)).transpose()?;
+    let given = options.time.as_ref().map(|name| find_entry(file, &entries, name)).transpose()?;
     let named = named_times(&entries);
     let axes: Vec<Result<Axis, Error>> = entries.iter().map(|entry| axis(&entries, entry, given, &named)).collect();
     let of_channel = |axis: &Result<Axis, Error>| match axis {
@@ -182,26 +273,34 @@ fn measured(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measureme
         _ => None,
     };
     let times: HashSet<usize> = axes.iter().filter_map(of_channel).chain(given).collect();
-    let wanted = selected(&entries, options, |place| times.contains(&place), &mut annotations.warnings)?;
-    let mut times = Times { entries: &entries, known: BTreeMap::new() };
-    let (mut channels, mut untimed) = (Vec::new(), None);
+    let wanted = selected(file, &entries, options, |place| times.contains(&place))?;
+    let (mut timed, mut untimed, mut times) = (Vec::new(), None, Times::default());
     for place in wanted {
         let entry = &entries[place];
-        let axis = match &axes[place] {
-            Ok(axis) => axis.clone(),
+        match &axes[place] {
+            Ok(Axis::Refused(error)) => return Err(error.clone()),
+            Ok(axis) => {
+                times.add(file, &entries, axis, options)?;
+                timed.push((place, axis, unit(file, entry, place, options)?));
+            }
             Err(_) => {
                 untimed.get_or_insert(place);
                 let why = "it has no time".to_owned();
-                annotations.warnings.push(Warning::ChannelNotRead { channel: entry.label().to_owned(), why });
-                continue;
+                file.annotations().warnings.push(Warning::ChannelNotRead { channel: entry.label().to_owned(), why });
             }
-        };
-        let unit = unit(entry, options, &mut annotations.warnings)?;
-        let time = times.read(file, place, &axis, &mut annotations.warnings)?;
-        let values = values(file, entry, place, unit.as_ref())?;
-        let filtered = annotations.filter_class(&entry.column.name);
-        let (name, label) = (entry.column.name.clone(), entry.label().to_owned());
-        channels.push(MeasuredChannel { name, label, unit, filtered, series: Series::new(time, values) });
+        }
+    }
+    file.load(&timed.iter().map(|(place, ..)| *place).collect::<Vec<_>>(), &times.places())?;
+    let mut channels = Vec::new();
+    for (place, axis, unit) in timed {
+        let entry = &entries[place];
+        let values = finite(file, entry, place)?;
+        let time = times.read(file, &entries, place, axis, values.len())?;
+        file.review(place, &time, &values)?;
+        let series = Series::new(time, in_si(values, unit.as_ref()));
+        let filtered = entry.filtered.or_else(|| file.annotations().filter_class(&entry.column.name));
+        let [name, label] = entry.names().map(str::to_owned);
+        channels.push(MeasuredChannel { name, label, unit, filtered, series });
     }
     // Some channels, such as figures beside the recording, may have no time; one that is asked for needs it.
     match untimed {
@@ -210,37 +309,40 @@ fn measured(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measureme
         }
         _ => {}
     }
-    Ok(Measurement { channels, annotations })
+    Ok(Measurement { channels, annotations: std::mem::take(file.annotations()) })
 }
 
-fn tabled(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<csv::Table, Error> {
-    let mut annotations = file.annotations();
+/// Reads the wanted channels without their times, as columns of one length.
+pub fn columns(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Table, Error> {
     let entries = file.entries().to_vec();
-    let wanted = selected(&entries, options, |_| false, &mut annotations.warnings)?;
+    let wanted = selected(file, &entries, options, |_| false)?;
     if let Some(first) = wanted.first().map(|first| &entries[*first])
         && let Some(other) = wanted.iter().map(|place| &entries[*place]).find(|other| other.samples != first.samples)
     {
-        let ([name, other_name], [length, found]) = ([first, other].map(Entry::label), [first.samples, other.samples]);
+        let [name, other_name] = [first, other].map(Entry::label);
+        let [length, found] = [first, other].map(|entry| entry.samples.unwrap_or_default());
         return Err(refusal!(
             "without a time, all channels need one length: `{name}` has {length} samples, `{other_name}` {found}"
         )
         .with_hint(BELONG_TOGETHER));
     }
+    let units = wanted.iter().map(|place| unit(file, &entries[*place], *place, options));
+    let units = units.collect::<Result<Vec<_>, _>>()?;
+    file.load(&wanted, &[])?;
     let mut columns = Vec::new();
-    for place in wanted {
+    for (place, unit) in wanted.into_iter().zip(units) {
         let entry = &entries[place];
-        let unit = unit(entry, options, &mut annotations.warnings)?;
-        let values = values(file, entry, place, unit.as_ref())?;
-        let (name, label) = (entry.column.name.clone(), entry.label().to_owned());
-        columns.push(csv::Column { name, label, unit, values });
+        let values = in_si(finite(file, entry, place)?, unit.as_ref());
+        let [name, label] = entry.names().map(str::to_owned);
+        columns.push(Column { name, label, unit, values });
     }
-    Ok(csv::Table { columns, annotations })
+    Ok(Table { columns, annotations: std::mem::take(file.annotations()) })
 }
 
 /// The place of the one channel called `name`, with its group or without.
-fn find_entry(entries: &[Entry], name: &str) -> Result<usize, Error> {
-    let names = entries.iter().map(|entry| (entry.column.name.as_str(), entry.label()));
-    find(name, names)
+fn find_entry(file: &dyn Catalogue, entries: &[Entry], name: &str) -> Result<usize, Error> {
+    let names = entries.iter().map(|entry| entry.names().into());
+    find(name, names).map_err(|error| file.locate(Subject::List, error))
 }
 
 /// Places of the channels that are named like a time, by their group.
@@ -267,7 +369,7 @@ fn axis(
             let unread = entries[time].unread.as_ref();
             return unread.map_or(Ok(Axis::Channel(time)), |why| Err(not_read(&entries[time], why)));
         }
-        steps => return Ok(steps),
+        other => return Ok(other),
     }
     let times = named.get(entry.group.as_str()).map_or(&[][..], Vec::as_slice);
     match *times {
@@ -297,28 +399,33 @@ fn not_read(entry: &Entry, why: &str) -> Error {
 
 /// Places of the wanted channels; a time is none of them unless it is asked for by name.
 fn selected(
+    file: &mut dyn Catalogue,
     entries: &[Entry],
     options: &ReadOptions,
     is_time: impl Fn(usize) -> bool,
-    warnings: &mut Vec<Warning>,
 ) -> Result<Vec<usize>, Error> {
-    if !options.names.is_empty() {
+    let terms = file.terms();
+    if !options.names.is_empty() && !terms.is_table {
         let error = refusal!("column names are given, but the file is not a table");
         return Err(error.with_hint("its channels have their own names; leave the names out"));
     }
-    options.units.iter().try_for_each(|(name, _)| find_entry(entries, name).map(|_| ()))?;
+    options.units.iter().try_for_each(|(name, _)| find_entry(file, entries, name).map(|_| ()))?;
     let fault = |entry: &Entry| match &entry.unread {
         Some(why) => Some(not_read(entry, why)),
-        None => (entry.samples == 0).then(|| refusal!("`{}` has no samples", entry.label())),
+        None => (entry.samples == Some(0)).then(|| refusal!("`{}` has no samples", entry.label())),
     };
-    let usable = || (0..entries.len()).filter(|place| !is_time(*place) && fault(&entries[*place]).is_none());
+    let is_usable = |place: &usize| {
+        let entry = &entries[*place];
+        !is_time(*place) && !entry.by_name_only && fault(entry).is_none()
+    };
+    let usable = || (0..entries.len()).filter(is_usable);
     let wanted = match &options.channels {
         ChannelSelection::Named(names) => {
-            names.iter().map(|name| find_entry(entries, name)).collect::<Result<Vec<_>, _>>()?
+            names.iter().map(|name| find_entry(file, entries, name)).collect::<Result<Vec<_>, _>>()?
         }
         ChannelSelection::Only if usable().nth(1).is_some() => {
             let found: Vec<String> = usable().map(|place| entries[place].label().to_owned()).collect();
-            return Err(not_one(&found, "GROUP/CHANNEL"));
+            return Err(file.locate(Subject::List, not_one(&found, terms.channel)));
         }
         _ => usable().collect(),
     };
@@ -326,142 +433,253 @@ fn selected(
         ChannelSelection::Named(_) => {
             wanted.iter().try_for_each(|place| fault(&entries[*place]).map_or(Ok(()), Err))?
         }
-        _ => warnings.extend(entries.iter().filter_map(|entry| {
-            let why = entry.unread.clone().or_else(|| (entry.samples == 0).then(|| "it has no samples".to_owned()))?;
+        _ => file.annotations().warnings.extend(entries.iter().filter_map(|entry| {
+            let is_empty = entry.samples == Some(0);
+            let why = entry.unread.clone().or_else(|| is_empty.then(|| "it has no samples".to_owned()))?;
             Some(Warning::ChannelNotRead { channel: entry.label().to_owned(), why })
         })),
     }
     if wanted.is_empty() {
-        return Err(no_channel());
+        return Err(file.locate(Subject::List, Error::new(terms.none)));
     }
-    let samples = wanted.iter().fold(0, |sum: u64, place| sum.saturating_add(entries[*place].samples));
+    let samples = wanted.iter().filter_map(|place| entries[*place].samples).fold(0, u64::saturating_add);
     if samples <= MOST_VALUES as u64 {
         return Ok(wanted);
     }
     Err(refusal!("more than {MOST_VALUES} samples").with_hint("name the channels that are needed"))
 }
 
-/// Refuses a file that lists no channel, or none that has numbers.
-pub fn no_channel() -> Error {
-    refusal!("no channel with numbers")
-}
-
-/// The unit of the file or of the caller; both where they agree. A warning where it is not known.
-fn unit(entry: &Entry, options: &ReadOptions, warnings: &mut Vec<Warning>) -> Result<Option<Unit>, Error> {
-    let ColumnName { name, label, unit, unknown_unit } = &entry.column;
-    let unit = options.unit([name, label], unit.as_ref(), options.unit.as_ref(), label)?;
-    if unit.is_none() {
-        warnings.push(no_unit(label, unknown_unit.as_deref()));
+/// The unit of the channel at a place of the list, which the file or the caller gives; a warning where it is not known.
+fn unit(file: &mut dyn Catalogue, entry: &Entry, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
+    let unit = entry.unit(options, options.unit.as_ref());
+    let unit = unit.map_err(|error| file.locate(Subject::Unit(place), error))?;
+    let unknown = entry.column.unknown_unit.as_deref();
+    if unit.is_none() && (unknown.is_some() || !file.terms().is_table) {
+        file.annotations().warnings.push(no_unit(entry.label(), unknown));
     }
     Ok(unit)
 }
 
-/// The values of a channel, in SI where its unit is known.
-fn values(file: &mut dyn Catalogue, entry: &Entry, place: usize, unit: Option<&Unit>) -> Result<Vec<f64>, Error> {
-    let mut values = file.values(place)?;
-    if values.iter().any(|value| value.is_infinite()) {
-        return Err(not_finite(entry.label()));
-    }
+/// The values of a channel, in the unit of the file.
+fn finite(file: &mut dyn Catalogue, entry: &Entry, place: usize) -> Result<Vec<f64>, Error> {
+    let values = file.values(place)?;
+    if values.iter().any(|value| value.is_infinite()) { Err(not_finite(entry.label())) } else { Ok(values) }
+}
+
+fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
     if let Some(unit) = unit.filter(|unit| !unit.is_si()) {
         values.iter_mut().for_each(|value| *value = unit.to_si(*value));
     }
-    Ok(values)
+    values
 }
 
 /// The times of channels; those that several share are read once.
-struct Times<'a> {
-    entries: &'a [Entry],
+#[derive(Default)]
+struct Times {
+    /// Units of the channels of time, by their places.
+    units: BTreeMap<usize, Option<Unit>>,
     known: BTreeMap<(Option<usize>, [u64; 3]), Numbers>,
 }
 
-impl Times<'_> {
+impl Times {
+    /// Adds the channel of an axis, whose unit must be one of time.
+    fn add(
+        &mut self,
+        file: &mut dyn Catalogue,
+        entries: &[Entry],
+        axis: &Axis,
+        options: &ReadOptions,
+    ) -> Result<(), Error> {
+        let Axis::Channel(place) = axis else { return Ok(()) };
+        if self.units.contains_key(place) {
+            return Ok(());
+        }
+        let entry = &entries[*place];
+        let wrong = |unit: &str| file.locate(Subject::Unit(*place), not_a_time(entry.title(), unit));
+        let unit = match (entry.unit(options, None), &entry.column.unknown_unit) {
+            (_, Some(unknown)) => return Err(wrong(unknown)),
+            (Err(error), _) => return Err(file.locate(Subject::Unit(*place), error)),
+            (Ok(Some(unit)), _) if !unit.measures(Time::DIMENSION) => return Err(wrong(unit.symbol())),
+            (Ok(unit), _) => unit,
+        };
+        if unit.is_none() {
+            let channel = entry.label().to_owned();
+            file.annotations().warnings.push(Warning::TimeUnitAssumed { channel });
+        }
+        self.units.insert(*place, unit);
+        Ok(())
+    }
+
+    /// The places of the channels of time.
+    fn places(&self) -> Vec<usize> {
+        self.units.keys().copied().collect()
+    }
+
+    /// The times of the `samples` of the channel at a place of the list.
     fn read(
         &mut self,
         file: &mut dyn Catalogue,
+        entries: &[Entry],
         place: usize,
         axis: &Axis,
-        warnings: &mut Vec<Warning>,
+        samples: usize,
     ) -> Result<Numbers, Error> {
-        let entry = &self.entries[place];
         let key = match axis {
-            Axis::Steps { start, step } => (None, [start.to_bits(), step.to_bits(), entry.samples]),
+            Axis::Steps { start, step } => (None, [start.to_bits(), step.to_bits(), samples as u64]),
             Axis::Channel(time) => (Some(*time), [0; 3]),
-            Axis::Unknown => return Err(no_time(entry)),
+            Axis::Unknown | Axis::Refused(_) => return Err(no_time(&entries[place])),
         };
-        if let Axis::Channel(time) = axis {
-            let time = &self.entries[*time];
-            if time.samples != entry.samples {
-                let ([channel, name], [found, times]) =
-                    ([entry, time].map(Entry::label), [entry.samples, time.samples]);
-                return Err(refusal!("`{channel}` has {found} samples over {times} times of `{name}`")
-                    .with_hint(BELONG_TOGETHER));
-            }
-        }
-        if let Some(times) = self.known.get(&key) {
-            return Ok(times.clone());
-        }
-        let times: Numbers = match axis {
-            Axis::Channel(time) => channel_times(file, &self.entries[*time], *time, warnings)?.into(),
-            Axis::Steps { start, step } => stepped(entry, *start, *step)?.into(),
-            Axis::Unknown => Vec::new().into(),
+        let times = match (self.known.get(&key), axis) {
+            (Some(times), _) => times.clone(),
+            (None, Axis::Steps { start, step }) => stepped(&entries[place], *start, *step, samples)
+                .map_err(|error| file.locate(Subject::Times(place), error))?
+                .into(),
+            (None, Axis::Channel(time)) => self.of_channel(file, &entries[*time], *time)?.into(),
+            (None, _) => Vec::new().into(),
         };
+        if let Axis::Channel(time) = axis
+            && times.len() != samples
+        {
+            let ([channel, name], count) = ([place, *time].map(|place| entries[place].label()), times.len());
+            let error = refusal!("`{channel}` has {samples} samples over {count} times of `{name}`");
+            return Err(file.locate(Subject::Times(place), error.with_hint(BELONG_TOGETHER)));
+        }
         self.known.insert(key, times.clone());
         Ok(times)
     }
+
+    /// The values of a channel of time, s.
+    fn of_channel(&self, file: &mut dyn Catalogue, entry: &Entry, place: usize) -> Result<Vec<f64>, Error> {
+        let times = finite(file, entry, place)?;
+        let at = |sample: usize, error: Error| Err(file.locate(Subject::Sample(place, sample), error));
+        if let Some(sample) = times.iter().position(|time| time.is_nan()) {
+            return at(sample, refusal!("a sample of the time axis `{}` was not measured", entry.label()));
+        }
+        if let Some(sample) = (1..times.len()).find(|sample| times[*sample] <= times[sample - 1]) {
+            return at(sample, not_increasing(times[sample], times[sample - 1]));
+        }
+        Ok(in_si(times, self.units.get(&place).and_then(Option::as_ref)))
+    }
 }
 
-fn stepped(entry: &Entry, start: f64, step: f64) -> Result<Vec<f64>, Error> {
-    let at = |index: u64| start + step * index as f64;
-    let last = at(entry.samples.saturating_sub(1));
+fn stepped(entry: &Entry, start: f64, step: f64, samples: usize) -> Result<Vec<f64>, Error> {
+    let at = |index: usize| start + step * index as f64;
+    let last = at(samples.saturating_sub(1));
     // Two samples at the end differ where all do: the digits are fewest at an end.
-    let distinct = entry.samples < 2 || (at(entry.samples - 2) < last && start < at(1));
+    let distinct = samples < 2 || (at(samples - 2) < last && start < at(1));
     if !(step > 0.0 && start.is_finite() && last.is_finite() && distinct) {
         let (label, [start, step]) = (entry.label(), [start, step].map(|time| significant(time, 9)));
         return Err(refusal!("`{label}` begins at {start} s and has the increment {step} s"));
     }
-    Ok((0..entry.samples).map(at).collect())
-}
-
-fn channel_times(
-    file: &mut dyn Catalogue,
-    entry: &Entry,
-    place: usize,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<f64>, Error> {
-    let wrong = |unit: &str| not_a_time(entry.label(), unit);
-    let column = &entry.column;
-    match (&column.unit, &column.unknown_unit) {
-        (Some(unit), _) if !unit.measures(Time::DIMENSION) => return Err(wrong(unit.symbol())),
-        (None, Some(unit)) => return Err(wrong(unit)),
-        (None, None) => warnings.push(Warning::TimeUnitAssumed { channel: entry.label().to_owned() }),
-        (Some(_), _) => {}
-    }
-    let times = values(file, entry, place, column.unit.as_ref())?;
-    if times.iter().any(|time| time.is_nan()) {
-        return Err(refusal!("a sample of the time `{}` was not measured", entry.label()));
-    }
-    match times.windows(2).find(|pair| pair[1] <= pair[0]) {
-        Some(pair) => Err(not_increasing(pair[1], pair[0])),
-        None => Ok(times),
-    }
+    Ok((0..samples).map(at).collect())
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
 
-#[cfg(test)]
-mod cost {
+    use serde::Deserialize;
+
     use super::*;
+    use crate::signal::file;
 
-    struct Listed(Vec<Entry>);
+    // Files that other programs wrote or that were made after descriptions of their formats, read as those programs' readers
+    // read them: `tests/formats/recordings.py` made them and what is expected of them.
+
+    const FORMATS: [&str; 5] = ["tdms", "xlsx", "mat", "hdf5", "t01"];
+
+    /// What another reader finds in a channel, in SI where its unit is known.
+    #[derive(Deserialize)]
+    struct Expected {
+        time: Vec<f64>,
+        /// None where nothing was measured.
+        values: Vec<Option<f64>>,
+    }
+
+    fn folder(format: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/it/formats").join(format)
+    }
+
+    fn close(found: &[f64], expected: &[f64]) -> bool {
+        let largest = expected.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        found.len() == expected.len()
+            && found.iter().zip(expected).all(|(found, expected)| {
+                (found.is_nan() && expected.is_nan()) || (found - expected).abs() <= 1e-9 * largest
+            })
+    }
+
+    /// Every channel of every file of a format.
+    fn check(format: &str) {
+        let text = fs::read_to_string(folder(format).join("expected.json")).unwrap();
+        let expected: BTreeMap<String, BTreeMap<String, Expected>> = serde_json::from_str(&text).unwrap();
+        for (name, channels) in &expected {
+            let path = folder(format).join(name);
+            let found = file::read(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+            let labels: Vec<&str> = found.channels.iter().map(|channel| channel.label.as_str()).collect();
+            assert_eq!(labels.len(), channels.len(), "{name}: {labels:?}");
+            for (label, expected) in channels {
+                let channel = found.channel(label).unwrap_or_else(|error| panic!("{name}: {error}"));
+                assert!(close(channel.series.time(), &expected.time), "{name}, {label}: {:?}", channel.series.time());
+                let values: Vec<f64> = expected.values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+                assert!(close(channel.series.values(), &values), "{name}, {label}: {:?}", channel.series.values());
+                let one =
+                    ReadOptions { channels: ChannelSelection::Named(vec![label.clone()]), ..ReadOptions::default() };
+                let Measurement { channels, .. } = file::read(&path, &one).unwrap();
+                assert!(close(channels[0].series.values(), channel.series.values()), "{name}, {label}");
+            }
+        }
+    }
+
+    /// Files of up to 400 bytes that are cut at every byte, and of which every byte is another, are read or refused; longer ones at some
+    /// 80 places.
+    fn damage(format: &str) {
+        let scratch = tempfile::tempdir().unwrap();
+        for entry in
+            fs::read_dir(folder(format)).unwrap().flatten().filter(|entry| !entry.file_name().eq("expected.json"))
+        {
+            let bytes = fs::read(entry.path()).unwrap();
+            let path = scratch.path().join(entry.file_name());
+            let step = if bytes.len() <= 400 { 1 } else { 1 + bytes.len() / 80 };
+            for place in (0..bytes.len()).step_by(step) {
+                let mut other = bytes.clone();
+                other[place] ^= 0xff;
+                for damaged in [&bytes[..place], &other] {
+                    fs::write(&path, damaged).unwrap();
+                    for read in [
+                        file::read(&path, &ReadOptions::default()).map(drop),
+                        file::columns(&path, &ReadOptions::default()).map(drop),
+                    ] {
+                        if let Err(error) = read {
+                            assert!(!error.to_string().is_empty());
+                            let _ = (error.message().len(), error.hint().map(str::len), error.place());
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// As npTDMS, pandas, SciPy and h5py read them; time histories as they were made.
+    #[test]
+    fn files_are_read_as_other_readers_read_them() {
+        FORMATS.iter().for_each(|format| check(format));
+    }
+
+    #[test]
+    fn damaged_files_are_read_or_refused() {
+        FORMATS.iter().for_each(|format| damage(format));
+    }
+
+    struct Listed(Vec<Entry>, Annotations);
 
     impl Catalogue for Listed {
         fn entries(&self) -> &[Entry] {
             &self.0
         }
 
-        fn annotations(&self) -> Annotations {
-            Annotations::default()
+        fn annotations(&mut self) -> &mut Annotations {
+            &mut self.1
         }
 
         fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
@@ -474,10 +692,10 @@ mod cost {
     fn the_cost_of_many_channels_is_linear() {
         let entry = |place: usize| {
             let name = if place == 0 { "time [s]".to_owned() } else { format!("a{place}") };
-            Ok(Entry { samples: 1, ..Entry::new("G", &name, None)? })
+            Ok(Entry { samples: Some(1), ..Entry::new("G", &name, None)? })
         };
         let entries = (0..100_000).map(entry).collect::<Result<Vec<_>, Error>>().unwrap();
-        let found = measure(&mut Listed(entries), Path::new("a"), &ReadOptions::default()).unwrap();
+        let found = measure(&mut Listed(entries, Annotations::default()), &ReadOptions::default()).unwrap();
         assert_eq!(found.channels.len(), 99_999);
         assert!(found.channels.iter().all(|channel| channel.series.time() == [0.0]));
     }

@@ -3,45 +3,55 @@
 use std::io::Read;
 use std::path::Path;
 
+use super::catalogue::{self, Catalogue};
+use super::csv::TextTable;
 use super::export::{self, Export};
 use super::format::{Format, Support};
 use super::hdf5::{self, Hdf5};
+use super::isomme::{self, IsoMme};
 use super::matlab::{self, Matlab};
-use super::stored::{self, Catalogue};
 use super::t01::{self, T01};
 use super::tdms::{self, Tdms};
 use super::workbook::{self, Workbook};
-use super::{Measurement, csv, isomme};
+use super::{Measurement, Table};
 use crate::error::{Error, refusal};
 
 pub use super::{ChannelSelection, ReadOptions};
 
-/// Reads what is `wanted` of the recording at `path`: a folder, `.zip`, `.mme`, `.chn` or `.001`, … as ISO-MME, a file of
+/// Reads what is wanted of the recording at `path`: a folder, `.zip`, `.mme`, `.chn` or `.001`, … as ISO-MME, a file of
 /// another format by its first bytes, others as tables.
 ///
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
 /// is finished.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
-    if isomme::is_part(path) {
-        return isomme::measure(path, options);
-    }
-    match catalogue(path)? {
-        Some(mut file) => stored::measure(&mut *file, path, options),
-        None => csv::measure(path, options),
-    }
+    let measured = if isomme::is_part(path) {
+        IsoMme::open(path).and_then(|mut container| catalogue::measure(&mut container, options))
+    } else {
+        open(path, options).and_then(|mut file| catalogue::measure(&mut *file, options))
+    };
+    measured.map_err(|error| error.in_file(path))
 }
 
-/// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain; see [`csv::columns`].
-pub fn columns(path: &Path, options: &ReadOptions) -> Result<csv::Table, Error> {
-    match catalogue(path)? {
-        Some(mut file) => stored::columns(&mut *file, path, options),
-        None => csv::columns(path, options),
-    }
+/// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain.
+///
+/// # Errors
+/// The file is no table, a channel or a unit is missing, columns have several lengths, or a cell is no number.
+pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, Error> {
+    let columns = open(path, options).and_then(|mut file| catalogue::columns(&mut *file, options));
+    columns.map_err(|error| error.in_file(path))
 }
 
 /// Whether the file at `path` is of a format that lists its channels (TDMS, workbook, MATLAB, HDF5, T01), and no text.
 pub fn lists_channels(path: &Path) -> bool {
-    !matches!(catalogue(path), Ok(None))
+    !matches!(listed(path), Ok(None))
+}
+
+/// The channels of the file at `path`, which is a table unless its first bytes are those of another format.
+fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Catalogue>, Error> {
+    match listed(path)? {
+        Some(file) => Ok(file),
+        None => TextTable::open(path, options).map(boxed),
+    }
 }
 
 /// The specimens of the file at `path`, of a tensile machine; none where it holds no force over displacement.
@@ -57,7 +67,7 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, Error> {
 }
 
 /// The channels of the file at `path`, where its first bytes are those of a format that lists them.
-fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, Error> {
+fn listed(path: &Path) -> Result<Option<Box<dyn Catalogue>>, Error> {
     let Some(first) = first_bytes(path) else { return Ok(None) };
     let found = match Format::of(&first) {
         _ if matlab::is_own(&first) => Matlab::open(path).map(boxed),
@@ -69,7 +79,7 @@ fn catalogue(path: &Path) -> Result<Option<Box<dyn Catalogue>>, Error> {
         Some(format) => Err(refused(format)),
         None => return Ok(None),
     };
-    found.map(Some).map_err(|error| error.in_file(path))
+    found.map(Some)
 }
 
 fn refused(format: &Format) -> Error {

@@ -7,7 +7,7 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, Dataset, Datatype, DatatypeByteOrder, File, Group};
 
 use super::Annotations;
-use super::stored::{Binary, Catalogue, Columns, Entry};
+use super::catalogue::{Binary, Catalogue, Columns, Entry};
 use crate::error::{Error, refusal};
 use base::file;
 
@@ -16,7 +16,9 @@ pub struct Hdf5 {
     file: File,
     columns: Columns,
     sources: Vec<Source>,
+    /// As they are found; part of the annotations then.
     comments: Vec<String>,
+    annotations: Annotations,
     /// Bytes of the file.
     length: u64,
     /// Groups and data sets that were listed.
@@ -57,12 +59,13 @@ impl Hdf5 {
         let file = File::open_streaming(path).map_err(in_object("/"))?;
         let root = file.root();
         let (columns, sources, comments) = (Columns::default(), Vec::new(), Vec::new());
-        let mut hdf5 = Hdf5 { file, columns, sources, comments, length, listed: 0 };
+        let mut hdf5 =
+            Hdf5 { file, columns, sources, comments, annotations: Annotations::default(), length, listed: 0 };
         let attributes = root.attrs().map_err(in_object("/"))?;
-        let mut comments: Vec<String> = attributes.iter().filter_map(comment).collect();
-        comments.sort();
-        hdf5.comments = comments;
+        hdf5.comments = attributes.iter().filter_map(comment).collect();
+        hdf5.comments.sort();
         hdf5.list(&root, "", 0)?;
+        hdf5.annotations = Annotations::new(std::mem::take(&mut hdf5.comments));
         Ok(hdf5)
     }
 
@@ -207,8 +210,8 @@ impl Catalogue for Hdf5 {
         &self.columns.entries
     }
 
-    fn annotations(&self) -> Annotations {
-        Annotations::new(self.comments.clone())
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.annotations
     }
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {

@@ -9,8 +9,8 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use super::Annotations;
+use super::catalogue::{Binary, Catalogue, Columns, Entry};
 use super::measurement::MOST_VALUES;
-use super::stored::{Binary, Catalogue, Columns, Entry};
 use crate::error::{Error, refusal};
 use base::file;
 
@@ -18,7 +18,7 @@ use base::file;
 pub struct Matlab {
     columns: Columns,
     arrays: Vec<Array>,
-    comments: Vec<String>,
+    annotations: Annotations,
 }
 
 /// Bytes before the first variable.
@@ -33,27 +33,27 @@ impl Matlab {
     pub fn open(path: &Path) -> Result<Matlab, Error> {
         let bytes = file::read(path, MOST_BYTES)?;
         let arrays = arrays(&bytes)?;
-        let mut matlab = Matlab { columns: Columns::default(), arrays: Vec::new(), comments: Vec::new() };
+        let (mut columns, mut listed, mut comments) = (Columns::default(), Vec::new(), Vec::new());
         for array in arrays {
             let names = [array.group.as_str(), array.name.as_str()];
             let label = if array.group.is_empty() { array.name.clone() } else { names.join("/") };
             let shape = match &array.content {
                 Content::Numbers { rows: 1, columns: 1, values } => {
-                    matlab.comments.push(format!("{label}: {}", values.first().copied().unwrap_or(f64::NAN)));
+                    comments.push(format!("{label}: {}", values.first().copied().unwrap_or(f64::NAN)));
                     continue;
                 }
                 Content::Text(text) => {
                     let text: String = text.trim().chars().take(LONGEST_COMMENT).collect();
-                    matlab.comments.push(format!("{label}: {}", text.replace(char::is_control, " ")));
+                    comments.push(format!("{label}: {}", text.replace(char::is_control, " ")));
                     continue;
                 }
                 Content::Numbers { rows, columns, .. } => Ok([*rows as u64, *columns as u64]),
                 Content::Unread(why) => Err(why.clone()),
             };
-            matlab.columns.push(names, None, matlab.arrays.len(), shape)?;
-            matlab.arrays.push(array);
+            columns.push(names, None, listed.len(), shape)?;
+            listed.push(array);
         }
-        Ok(matlab)
+        Ok(Matlab { columns, arrays: listed, annotations: Annotations::new(comments) })
     }
 }
 
@@ -90,8 +90,8 @@ impl Catalogue for Matlab {
         &self.columns.entries
     }
 
-    fn annotations(&self) -> Annotations {
-        Annotations::new(self.comments.clone())
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.annotations
     }
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
@@ -203,11 +203,14 @@ fn read(elements: &Elements, element: &Element, place: Place, found: &mut Found)
         FIRST_NUMERIC..=LAST_NUMERIC if flags & COMPLEX != 0 => unread("it holds complex numbers"),
         FIRST_NUMERIC..=LAST_NUMERIC => {
             let part = inner.next("the numbers of an array")?;
-            found.values += part.bytes.len() / number_width(part.kind);
+            let wrong = || inner.wrong(&part, "the numbers of an array");
+            let (meaning, width) = number_format(part.kind).ok_or_else(wrong)?;
+            found.values += part.bytes.len() / width;
             if found.values > MOST_VALUES {
                 return Err(too_many(MOST_VALUES, "numbers"));
             }
-            let values = numbers(&part, is_big).ok_or_else(|| inner.wrong(&part, "the numbers of an array"))?;
+            let numbers = part.bytes.chunks_exact(width).map(|bytes| meaning.number(bytes, is_big));
+            let values: Vec<f64> = numbers.collect::<Option<_>>().ok_or_else(wrong)?;
             match shape[..] {
                 _ if values.len() != count => {
                     return Err(inner.ends(part.at, "the numbers of an array"));
@@ -347,25 +350,21 @@ fn number(bytes: &[u8], is_big: bool) -> u32 {
     if is_big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) }
 }
 
-/// Bytes of a number of a kind; 1 of one that is no number.
-fn number_width(kind: u32) -> usize {
-    match kind {
-        3 | 4 => 2,
-        5..=7 => 4,
-        9 | 12 | 13 => 8,
-        _ => 1,
-    }
-}
-
-/// The numbers of an element of a numeric kind.
-fn numbers(element: &Element, is_big: bool) -> Option<Vec<f64>> {
-    let meant = match element.kind {
-        INT8 | 3 | INT32 | 12 => Binary::Signed,
-        2 | 4 | UINT32 | 13 => Binary::Unsigned,
-        7 | 9 => Binary::Float,
+/// How the numbers of a kind are meant, and their bytes; none of a kind that has none.
+fn number_format(kind: u32) -> Option<(Binary, usize)> {
+    Some(match kind {
+        INT8 => (Binary::Signed, 1),
+        2 => (Binary::Unsigned, 1),
+        3 => (Binary::Signed, 2),
+        4 => (Binary::Unsigned, 2),
+        INT32 => (Binary::Signed, 4),
+        UINT32 => (Binary::Unsigned, 4),
+        7 => (Binary::Float, 4),
+        9 => (Binary::Float, 8),
+        12 => (Binary::Signed, 8),
+        13 => (Binary::Unsigned, 8),
         _ => return None,
-    };
-    element.bytes.chunks_exact(number_width(element.kind)).map(|bytes| meant.number(bytes, is_big)).collect()
+    })
 }
 
 /// The text of an element of characters.

@@ -1,6 +1,7 @@
 //! Time series as values: channels and recordings, their files, and what is computed from them.
 
 pub(crate) mod annotations;
+pub mod catalogue;
 pub mod clip;
 pub mod column;
 pub(crate) mod column_name;
@@ -21,7 +22,6 @@ pub mod norm;
 pub mod rating;
 pub mod resample;
 mod series;
-pub mod stored;
 pub mod t01;
 pub mod tdms;
 mod text;
@@ -29,7 +29,7 @@ mod warning;
 pub mod workbook;
 
 pub use annotations::Annotations;
-pub use measurement::{ChannelSelection, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions};
+pub use measurement::{ChannelSelection, Column, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions, Table};
 pub(crate) use measurement::{ambiguous, check_dimension, missing};
 pub(crate) use series::interpolated;
 pub use series::{Channel, Recording, Series};

@@ -9,7 +9,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::stored::{Axis, Catalogue, Entry};
+use super::catalogue::{Axis, Catalogue, Entry};
 use super::{Annotations, Warning};
 use crate::error::{Error, refusal};
 use base::file;
@@ -169,7 +169,7 @@ impl T01 {
             }
             for place in [of_time, entry] {
                 file.channels[place].from = from;
-                file.entries[place].samples = (count - from) as u64;
+                file.entries[place].samples = Some((count - from) as u64);
             }
             file.entries[entry].axis = Axis::Channel(of_time);
         }
@@ -187,7 +187,7 @@ impl T01 {
     ) -> Result<usize, Error> {
         let (powers, symbol) = measure.clone().unwrap_or_default();
         let mut entry = Entry::new(group, name, units.map(|_| symbol))?;
-        entry.samples = self.instants.2 as u64;
+        entry.samples = Some(self.instants.2 as u64);
         entry.unread = measure.err();
         let factor = units.unwrap_or([1.0; 3]).iter().zip(powers).map(|(unit, power)| unit.powi(power)).product();
         self.entries.push(entry);
@@ -201,8 +201,8 @@ impl Catalogue for T01 {
         &self.entries
     }
 
-    fn annotations(&self) -> Annotations {
-        self.annotations.clone()
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.annotations
     }
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {

@@ -1,7 +1,6 @@
 //! Recordings in workbooks of Excel (`.xlsx`): each sheet is a table, with the same recognition of header and units as one in
 //! text.
 
-use std::cell::OnceCell;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, copy, sink};
 use std::path::Path;
@@ -10,87 +9,73 @@ use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::csv::Lined;
+use super::catalogue::{Axis, Catalogue, Entry, Loaded};
+use super::csv::TextTable;
 use super::export::{self, Count, Export, Rows};
-use super::stored::{Axis, Catalogue, Entry, no_channel};
 use super::text::Lines;
-use super::{Annotations, Warning};
+use super::{Annotations, ReadOptions, Warning};
 use crate::error::{Error, refusal};
 use base::file;
 
 /// A workbook whose columns are listed: `SHEET/COLUMN`, or the column alone where one sheet holds a table.
 pub struct Workbook {
-    tables: Vec<Table>,
+    sheets: Vec<TableSheet>,
     entries: Vec<Entry>,
-    /// Table and column of each entry.
+    /// Sheet and column of each entry.
     places: Vec<(usize, usize)>,
+    loaded: Loaded,
     annotations: Annotations,
 }
 
-/// The lines of a sheet.
-struct Table {
+/// A sheet as a table in text.
+struct TableSheet {
     name: String,
     text: String,
-    /// Number of columns.
-    width: usize,
-    /// The values of all columns, once one was asked for; none where a cell of one is no number.
-    columns: OnceCell<Option<Vec<Vec<f64>>>>,
 }
+
+type SheetTable<'a> = TextTable<Cursor<&'a [u8]>>;
 
 impl Workbook {
     /// Lists the columns of the workbook at `path`.
     pub fn open(path: &Path) -> Result<Workbook, Error> {
-        let sheets = sheets(path)?;
-        let mut book = Workbook {
-            tables: Vec::new(),
-            entries: Vec::new(),
-            places: Vec::new(),
-            annotations: Annotations::default(),
-        };
-        let (mut comments, mut warnings, mut faults, mut listed) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for sheet in sheets.into_iter().filter(|sheet| !sheet.rows.is_empty()) {
-            let table = Table::new(sheet);
-            match table.lined() {
-                Ok(lined) => listed.push((table, lined)),
-                Err(fault) => faults.push((table, fault)),
-            }
+        let sheets = sheets(path)?.into_iter().filter(|sheet| !sheet.rows.is_empty()).map(TableSheet::new);
+        let listed = sheets.map(|sheet| {
+            let found = sheet.list();
+            (sheet, found)
+        });
+        let (listed, refused): (Vec<_>, Vec<_>) = listed.partition(|(_, found)| found.is_ok());
+        if let (true, Some((sheet, Err(error)))) = (listed.is_empty(), refused.first()) {
+            return Err(sheet.located(error));
         }
-        if listed.is_empty() {
-            return Err(faults.first().map_or_else(no_channel, |(table, fault)| table.located(fault)));
-        }
-        for (table, fault) in faults {
-            let (channel, why) = (format!("sheet `{}`", table.name), fault.message().to_owned());
-            warnings.push(Warning::ChannelNotRead { channel, why });
+        let (mut comments, mut warnings) = (Vec::new(), Vec::new());
+        for (sheet, found) in &refused {
+            let why = found.as_ref().err().map_or("", Error::message).to_owned();
+            warnings.push(Warning::ChannelNotRead { channel: format!("sheet `{}`", sheet.name), why });
         }
         let is_one = listed.len() == 1;
-        for (place, (mut table, lined)) in listed.into_iter().enumerate() {
-            table.width = lined.columns.len();
-            comments.extend(lined.annotations.comments().iter().cloned());
-            warnings.extend(lined.annotations.warnings);
-            let first = book.entries.len();
-            for (column, name) in lined.columns.into_iter().enumerate() {
-                let group = if is_one { "" } else { table.name.as_str() };
-                let mut entry = Entry::new(group, &name.label, None)?;
-                // A line of units below the names.
-                entry.column.unit = name.unit;
-                entry.column.unknown_unit = name.unknown_unit;
-                entry.samples = lined.rows as u64;
-                if !lined.has_header {
-                    entry.axis = Axis::Channel(first);
-                }
-                book.entries.push(entry);
-                book.places.push((place, column));
+        let (mut held, mut all, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, (sheet, found)) in listed.into_iter().enumerate() {
+            let (annotations, entries) = found?;
+            comments.extend(annotations.comments().iter().cloned());
+            warnings.extend(annotations.warnings);
+            let (group, first) = (if is_one { "" } else { sheet.name.as_str() }, all.len());
+            for (column, entry) in entries.into_iter().enumerate() {
+                // Without a header the first column is the time.
+                let axis = if entry.axis == Axis::Unknown { Axis::Unknown } else { Axis::Channel(first) };
+                let samples = entry.samples;
+                all.push(Entry { samples, axis, ..Entry::from_column(group, entry.column) });
+                places.push((place, column));
             }
-            book.tables.push(table);
+            held.push(sheet);
         }
-        book.annotations = Annotations::new(comments);
-        book.annotations.warnings = warnings;
-        Ok(book)
+        let mut annotations = Annotations::new(comments);
+        annotations.warnings = warnings;
+        Ok(Workbook { sheets: held, entries: all, places, loaded: Loaded::default(), annotations })
     }
 }
 
-impl Table {
-    fn new(mut sheet: Sheet) -> Table {
+impl TableSheet {
+    fn new(mut sheet: Sheet) -> TableSheet {
         // Empty cells at the end of a row are not stored; a row of numbers has as many as the names or units above it.
         let mut widths = [0; 2];
         for (_, cells) in &mut sheet.rows {
@@ -105,26 +90,25 @@ impl Table {
             }
         }
         let lines = sheet.rows.iter().map(|(_, cells)| cells.join("\t"));
-        let text = lines.flat_map(|line| [line, "\n".to_owned()]).collect();
-        Table { name: sheet.name, text, width: 0, columns: OnceCell::new() }
+        TableSheet { name: sheet.name, text: lines.flat_map(|line| [line, "\n".to_owned()]).collect() }
     }
 
-    fn lined(&self) -> Result<Lined, Error> {
-        let mut lines = Lines::new(Cursor::new(self.text.as_bytes()));
-        Lined::read(&mut lines)
+    fn table(&self) -> Result<SheetTable<'_>, Error> {
+        TextTable::new(Lines::new(Cursor::new(self.text.as_bytes())), &ReadOptions::default())
     }
 
-    /// The values of a column; a mistake in another one does not matter.
-    fn column(&self, place: usize) -> Result<Vec<f64>, Error> {
-        let read = |places: &[usize]| Lined::values(&mut Lines::new(Cursor::new(self.text.as_bytes())), places);
-        let all = self.columns.get_or_init(|| read(&(0..self.width).collect::<Vec<_>>()).ok());
-        match all {
-            Some(columns) => Ok(columns[place].clone()),
-            None => {
-                let alone = read(&[place]).map_err(|error| self.located(&error))?;
-                Ok(alone.into_iter().next().unwrap_or_default())
-            }
+    /// Its annotations and columns; the axis of a column without a header is no longer unknown.
+    fn list(&self) -> Result<(Annotations, Vec<Entry>), Error> {
+        let mut table = self.table()?;
+        let annotations = std::mem::take(table.annotations());
+        let mut entries = table.entries().to_vec();
+        let is_named = table.has_header();
+        let rows = table.count_rows()? as u64;
+        for entry in &mut entries {
+            entry.samples = Some(rows);
+            entry.axis = if is_named { Axis::Unknown } else { Axis::Channel(0) };
         }
+        Ok((annotations, entries))
     }
 
     /// The refusal of a table in text as one of this sheet.
@@ -140,13 +124,24 @@ impl Catalogue for Workbook {
         &self.entries
     }
 
-    fn annotations(&self) -> Annotations {
-        self.annotations.clone()
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.annotations
     }
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
-        let (table, column) = self.places[place];
-        self.tables[table].column(column)
+        Ok(self.loaded.take(place))
+    }
+
+    fn load(&mut self, channels: &[usize], times: &[usize]) -> Result<(), Error> {
+        let wanted = [channels, times].concat();
+        for (number, sheet) in self.sheets.iter().enumerate() {
+            let of_sheet: Vec<usize> = wanted.iter().copied().filter(|place| self.places[*place].0 == number).collect();
+            let columns: Vec<usize> = of_sheet.iter().map(|place| self.places[*place].1).collect();
+            let values = sheet.table().and_then(|mut table| table.read_columns(&columns, None));
+            let values = values.map_err(|error| sheet.located(&error))?;
+            of_sheet.into_iter().zip(values).for_each(|(place, values)| self.loaded.insert(place, values));
+        }
+        Ok(())
     }
 }
 

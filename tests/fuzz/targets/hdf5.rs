@@ -1,6 +1,6 @@
 //! Recordings in HDF5.
 //!
-//! Readers: src/lab/signal/hdf5.rs src/lab/signal/stored
+//! Readers: src/lab/signal/hdf5.rs src/lab/signal/catalogue.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,6 +1,6 @@
 //! Recordings in MAT-files.
 //!
-//! Readers: src/lab/signal/matlab.rs src/lab/signal/stored
+//! Readers: src/lab/signal/matlab.rs src/lab/signal/catalogue.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

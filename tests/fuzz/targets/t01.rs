@@ -1,6 +1,6 @@
 //! Time histories of OpenRadioss.
 //!
-//! Readers: src/lab/signal/t01.rs src/lab/signal/stored
+//! Readers: src/lab/signal/t01.rs src/lab/signal/catalogue.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -7,11 +7,9 @@ use std::io::BufRead;
 use super::cell::{Cell, Mark, Separator, at_cell};
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
-use crate::signal::measurement::not_a_time;
 use crate::signal::text::{Line, Lines};
 use crate::signal::{Annotations, ReadOptions, Warning, measurement};
 use base::diagnostic::listed;
-use base::units::{Time, Unit};
 
 /// Most lines before the first number.
 const LONGEST_HEAD: usize = 200;
@@ -41,7 +39,7 @@ impl Layout {
             comments.extend(lines.iter().map(|line| quoted(line, "not used, since names are given")));
             let columns = options.names.iter().map(|name| ColumnName::read(name)).collect();
             let annotations = Annotations::new(comments);
-            return Layout { separator, columns, header: None, rows, annotations }.checked(options);
+            return Layout { separator, columns, header: None, rows, annotations }.checked();
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
@@ -55,13 +53,14 @@ impl Layout {
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
-        layout.checked(options)
+        layout.checked()
     }
 
     /// The place of the column that holds the time.
     pub fn time(&self, options: &ReadOptions) -> Result<usize, Error> {
         if let Some(name) = &options.time {
-            return self.find(name);
+            let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
+            return measurement::find(name, names).map_err(|error| self.at_header(error));
         }
         if self.header.is_none() && options.names.is_empty() {
             return Ok(0);
@@ -79,57 +78,13 @@ impl Layout {
         }
     }
 
-    /// The unit of the time column; seconds where the file states none.
-    pub fn time_unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
-        let column = &self.columns[place];
-        if let Some(symbol) = &column.unknown_unit {
-            return Err(self.wrong_time_unit(place, symbol));
-        }
-        match self.given_unit(place, options, None)? {
-            Some(unit) if unit.measures(Time::DIMENSION) => Ok(Some(unit)),
-            Some(unit) => Err(self.wrong_time_unit(place, unit.symbol())),
-            None => {
-                let channel = column.label.clone();
-                self.annotations.warnings.push(Warning::TimeUnitAssumed { channel });
-                Ok(None)
-            }
-        }
-    }
-
-    fn wrong_time_unit(&self, place: usize, unit: &str) -> Error {
-        self.at_column(place, not_a_time(&self.columns[place].name, unit))
-    }
-
-    /// The unit of a column from the file or the caller; both where they agree. A warning where it is not known.
-    pub fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
-        let unit = self.given_unit(place, options, options.unit.as_ref())?;
-        let ColumnName { label, unknown_unit, .. } = &self.columns[place];
-        if let (None, Some(symbol)) = (&unit, unknown_unit) {
-            let warning = Warning::UnknownUnit { channel: label.clone(), unit: symbol.clone() };
-            self.annotations.warnings.push(warning);
-        }
-        Ok(unit)
-    }
-
-    fn given_unit(&self, place: usize, options: &ReadOptions, other: Option<&Unit>) -> Result<Option<Unit>, Error> {
-        let column = &self.columns[place];
-        let unit = options.unit([&column.name, &column.label], column.unit.as_ref(), other, &column.name);
-        unit.map_err(|error| self.at_column(place, error))
-    }
-
-    /// The place of the column called `name`.
-    pub fn find(&self, name: &str) -> Result<usize, Error> {
-        let names = self.columns.iter().map(|column| (column.name.as_str(), column.label.as_str()));
-        measurement::find(name, names).map_err(|error| self.at_header(error))
-    }
-
     /// A mistake in the header.
     pub fn at_header(&self, error: Error) -> Error {
         error.at(self.header.as_ref().map_or(0, |line| line.number), 1)
     }
 
     /// A mistake in the header of a column.
-    fn at_column(&self, place: usize, error: Error) -> Error {
+    pub fn at_column(&self, place: usize, error: Error) -> Error {
         match &self.header {
             Some(line) => at_cell(line, self.separator, place, error),
             None => error,
@@ -158,8 +113,8 @@ impl Layout {
         Ok(())
     }
 
-    /// The layout, once its names are those of the first row's columns, and the given units those of names.
-    fn checked(self, options: &ReadOptions) -> Result<Layout, Error> {
+    /// The layout, once its names are those of the first row's columns.
+    fn checked(self) -> Result<Layout, Error> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
             let names: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
@@ -181,7 +136,6 @@ impl Layout {
                 return Err(self.at_column(place, error));
             }
         }
-        options.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
         Ok(self)
     }
 }

@@ -15,159 +15,110 @@ use std::path::Path;
 use ::csv::WriterBuilder;
 
 use crate::error::{Error, refusal};
+use crate::signal::catalogue::{self, Axis, Catalogue, Entry, Loaded, Subject, Terms};
 use crate::signal::column_name::ColumnName;
-use crate::signal::measurement::{MOST_VALUES, not_increasing, not_one};
+use crate::signal::measurement::{MOST_VALUES, not_increasing};
 use crate::signal::text::{self, Line, Lines};
-use crate::signal::{
-    Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Recording, Series, Warning,
-};
-use base::budget::Numbers;
+use crate::signal::{Annotations, ReadOptions, Recording, Warning};
 use base::number::clean_time;
-use base::units::Unit;
 use cell::at_cell;
 use layout::{Layout, trimmed_to};
 
 pub use super::column_name::TIME;
+pub use super::measurement::{Column, Table};
 pub(in crate::signal) use cell::{Mark, Separator};
 
-/// A column of a table, which need not have a time axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Without the unit.
-    pub name: String,
-    /// As the file writes it.
-    pub label: String,
-    /// Unit that the file or the caller states.
-    pub unit: Option<Unit>,
-    /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
-    pub values: Vec<f64>,
+/// A table in text whose columns are listed.
+pub struct TextTable<R> {
+    lines: Lines<R>,
+    layout: Layout,
+    entries: Vec<Entry>,
+    /// Place of the time; none where no column is called so, or several are.
+    time: Option<usize>,
+    gaps: &'static [&'static str],
+    loaded: Loaded,
 }
 
-/// Columns of equal length.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
-    /// In the order of the file, or in the order in which they were asked for.
-    pub columns: Vec<Column>,
-    /// Comments of the file, and what its reading reports.
-    pub annotations: Annotations,
-}
-
-impl Table {
-    /// The columns as channels over the sample number, in place of a time.
-    pub fn over_samples(self) -> Measurement {
-        let rows = self.columns.first().map_or(0, |column| column.values.len());
-        let number: Numbers = (0..rows).map(|row| row as f64).collect();
-        let channel = |Column { name, label, unit, values }: Column| {
-            let series = Series::new(number.clone(), values);
-            MeasuredChannel { name, label, unit, filtered: None, series }
+impl<R: BufRead> TextTable<R> {
+    /// Reads the `lines` of a table up to its first row. Its rows are read once, one line after the other.
+    pub fn new(mut lines: Lines<R>, options: &ReadOptions) -> Result<TextTable<R>, Error> {
+        let layout = Layout::read(&mut lines, options)?;
+        let time = layout.time(options);
+        let entry = |column: &ColumnName| Entry {
+            axis: time.clone().map_or_else(Axis::Refused, Axis::Channel),
+            ..Entry::from_column("", column.clone())
         };
-        let channels = self.columns.into_iter().map(channel).collect();
-        Measurement { channels, annotations: self.annotations }
+        let entries = layout.columns.iter().map(entry).collect();
+        Ok(TextTable { lines, layout, entries, time: time.ok(), gaps: options.gaps, loaded: Loaded::default() })
+    }
+
+    /// Whether it has a line of names.
+    pub fn has_header(&self) -> bool {
+        self.layout.header.is_some()
+    }
+
+    /// The values of these columns, in one pass; those of the `time` must increase.
+    pub fn read_columns(&mut self, places: &[usize], time: Option<usize>) -> Result<Vec<Vec<f64>>, Error> {
+        Rows::new(&self.layout, places, time, self.gaps).read(&mut self.layout, &mut self.lines)
+    }
+
+    /// Number of rows, which are read for it.
+    pub fn count_rows(mut self) -> Result<usize, Error> {
+        let mut rows = self.layout.rows.len();
+        while let Some(line) = self.lines.line()? {
+            let text = line.text.trim_start();
+            rows += usize::from(!text.is_empty() && !text.starts_with('#'));
+        }
+        Ok(rows)
     }
 }
 
-/// Reads the columns of the table at `path` for which no time is needed, e.g. stress over strain.
-///
-/// Holds one line and the wanted columns: 8 bytes a value.
-///
-/// # Errors
-/// The file is no table, a channel or a unit is missing, or a cell is no number.
-pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, Error> {
-    with_lines(path, |lines| {
-        let mut layout = Layout::read(lines, options)?;
-        let places = selected(&layout, options, None)?;
-        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
-        let values = Rows::new(&layout, &places, None).with_gaps(options).read(&mut layout, lines)?;
-        let columns = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
-            let column = &layout.columns[*place];
-            let values = in_si(values, unit.as_ref());
-            Column { name: column.name.clone(), label: column.label.clone(), unit, values }
-        });
-        Ok(Table { columns: columns.collect(), annotations: layout.annotations })
-    })
+impl TextTable<BufReader<File>> {
+    /// Opens the table at `path`.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<TextTable<BufReader<File>>, Error> {
+        TextTable::new(text::open(path)?, options)
+    }
 }
 
-/// Reads the channels of the table at `path` over its column of time.
-///
-/// Holds one line, the time and the wanted columns: 8 bytes a value.
-pub fn measure(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
-    with_lines(path, |lines| {
-        let mut layout = Layout::read(lines, options)?;
-        let time = layout.time(options)?;
-        let time_unit = layout.time_unit(time, options)?;
-        let places = selected(&layout, options, Some(time))?;
-        let units = places.iter().map(|place| layout.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
-        let wanted: Vec<usize> = std::iter::once(time).chain(places.iter().copied()).collect();
-        let rows = Rows::new(&layout, &wanted, Some(time)).with_gaps(options);
-        let mut values = rows.read(&mut layout, lines)?.into_iter();
-        let time: Numbers = in_si(values.next().unwrap_or_default(), time_unit.as_ref()).into();
-        let channels = places.iter().zip(units).zip(values).map(|((place, unit), values)| {
-            let column = &layout.columns[*place];
-            let series = Series::new(time.clone(), in_si(values, unit.as_ref()));
-            let filtered = layout.annotations.filter_class(&column.name);
-            MeasuredChannel { name: column.name.clone(), label: column.label.clone(), unit, filtered, series }
-        });
-        Ok(Measurement { channels: channels.collect(), annotations: layout.annotations })
-    })
+impl<R: BufRead> Catalogue for TextTable<R> {
+    fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.layout.annotations
+    }
+
+    fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
+        Ok(self.loaded.take(place))
+    }
+
+    fn load(&mut self, channels: &[usize], times: &[usize]) -> Result<(), Error> {
+        let wanted = [channels, times].concat();
+        let values = self.read_columns(&wanted, self.time.filter(|time| times.contains(time)))?;
+        wanted.into_iter().zip(values).for_each(|(place, values)| self.loaded.insert(place, values));
+        Ok(())
+    }
+
+    fn locate(&self, subject: Subject, error: Error) -> Error {
+        match subject {
+            Subject::List => self.layout.at_header(error),
+            Subject::Unit(place) | Subject::Times(place) => self.layout.at_column(place, error),
+            Subject::Sample(..) => error,
+        }
+    }
+
+    fn terms(&self) -> Terms {
+        Terms { channel: "NAME", none: "no channel beside the time", is_table: true }
+    }
 }
 
 /// Reads the table at `path` as a recording: all its channels, called by the names of the file where they are in the SI
 /// unit, and by their name with the SI unit where they were not.
 pub fn read(path: &Path) -> Result<Recording, Error> {
-    measure(path, &ReadOptions::default()).map(|measurement| measurement.recording().unwrap_or_default())
-}
-
-/// A table in lines that are no file, with its columns as they are written.
-pub(in crate::signal) struct Lined {
-    pub columns: Vec<ColumnName>,
-    pub has_header: bool,
-    pub rows: usize,
-    pub annotations: Annotations,
-}
-
-impl Lined {
-    /// Reads all but the values.
-    pub fn read(lines: &mut Lines<impl BufRead>) -> Result<Lined, Error> {
-        let layout = Layout::read(lines, &ReadOptions::default())?;
-        let mut rows = layout.rows.len();
-        while let Some(line) = lines.line()? {
-            let text = line.text.trim_start();
-            rows += usize::from(!text.is_empty() && !text.starts_with('#'));
-        }
-        let Layout { columns, header, annotations, .. } = layout;
-        Ok(Lined { columns, has_header: header.is_some(), rows, annotations })
-    }
-
-    /// Reads the values of the columns at these places, as they are written.
-    pub fn values(lines: &mut Lines<impl BufRead>, places: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        let mut layout = Layout::read(lines, &ReadOptions::default())?;
-        Rows::new(&layout, places, None).read(&mut layout, lines)
-    }
-}
-
-/// Opens the file and adds its path to every mistake.
-fn with_lines<T>(path: &Path, read: impl FnOnce(&mut Lines<BufReader<File>>) -> Result<T, Error>) -> Result<T, Error> {
-    text::open(path).and_then(|mut lines| read(&mut lines)).map_err(|error| error.in_file(path))
-}
-
-/// Places of the wanted columns; the time is none of them unless it is asked for by name.
-fn selected(layout: &Layout, options: &ReadOptions, time: Option<usize>) -> Result<Vec<usize>, Error> {
-    let all: Vec<usize> = (0..layout.columns.len()).filter(|place| Some(*place) != time).collect();
-    let names = || all.iter().map(|place| layout.columns[*place].label.clone()).collect::<Vec<_>>();
-    match &options.channels {
-        _ if all.is_empty() => Err(layout.at_header(refusal!("no channel beside the time"))),
-        ChannelSelection::All => Ok(all),
-        ChannelSelection::Named(names) => names.iter().map(|name| layout.find(name)).collect(),
-        ChannelSelection::Only if all.len() == 1 => Ok(all),
-        ChannelSelection::Only => Err(layout.at_header(not_one(&names(), "NAME"))),
-    }
-}
-
-fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
-    if let Some(unit) = unit.filter(|unit| !unit.is_si()) {
-        values.iter_mut().for_each(|value| *value = unit.to_si(*value));
-    }
-    values
+    let options = ReadOptions::default();
+    let measurement = TextTable::open(path, &options).and_then(|mut table| catalogue::measure(&mut table, &options));
+    measurement.map(|found| found.recording().unwrap_or_default()).map_err(|error| error.in_file(path))
 }
 
 /// The columns while they are being read.
@@ -183,7 +134,7 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(layout: &Layout, wanted: &[usize], time: Option<usize>) -> Rows {
+    fn new(layout: &Layout, wanted: &[usize], time: Option<usize>, gaps: &'static [&'static str]) -> Rows {
         let mut slots = vec![Vec::new(); layout.columns.len()];
         wanted.iter().enumerate().for_each(|(slot, place)| slots[*place].push(slot));
         Rows {
@@ -192,13 +143,8 @@ impl Rows {
             time,
             latest: f64::NEG_INFINITY,
             mark: Mark::between(layout.separator),
-            gaps: &[],
+            gaps,
         }
-    }
-
-    /// The rows with the words for gaps of `options`.
-    fn with_gaps(self, options: &ReadOptions) -> Rows {
-        Rows { gaps: options.gaps, ..self }
     }
 
     fn read(mut self, layout: &mut Layout, lines: &mut Lines<impl BufRead>) -> Result<Vec<Vec<f64>>, Error> {
@@ -319,7 +265,7 @@ fn cell(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::Channel;
+    use crate::signal::{Channel, file};
 
     #[test]
     fn comments_and_blank_lines_among_rows_have_a_warning() {
@@ -331,7 +277,7 @@ mod tests {
             ("time_s,a\n0,1\n#1,2\n2,3\n# end\n", &["start with `#` are left out: 2, the first is line 3"]),
         ] {
             std::fs::write(&path, text).unwrap();
-            let notes = measure(&path, &ReadOptions::default()).unwrap().annotations.notes();
+            let notes = file::read(&path, &ReadOptions::default()).unwrap().annotations.notes();
             assert_eq!(notes.len(), expected.len(), "{notes:?}");
             assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
         }

@@ -3,9 +3,8 @@
 use super::files::{Member, MemberLines};
 use crate::error::{Error, refusal};
 use crate::signal::Warning;
-use crate::signal::measurement::{MOST_VALUES, not_a_number, not_a_time, not_finite, not_increasing};
+use crate::signal::measurement::{MOST_VALUES, not_a_number, not_finite};
 use crate::signal::text::Line;
-use base::units::{Time, Unit};
 
 /// A channel of which only the header was read.
 #[derive(Clone, Debug)]
@@ -33,58 +32,39 @@ impl ChannelHead {
         by_code || self.header.text("Dimension") == Some("TI")
     }
 
-    /// The channel frequency class that it went through: as the header states, or else by the letter of the
-    /// code; a warning where the header states something unknown.
-    pub fn class(&self, warnings: &mut Vec<Warning>) -> Option<f64> {
-        let stated = self.header.text("Channel frequency class");
-        let class = stated.and_then(class_of);
-        if let (Some(stated), None) = (stated, class) {
-            let (channel, stated) = (self.name.clone(), stated.to_owned());
-            warnings.push(Warning::UnknownFilterClass { channel, stated });
-        }
-        class.or_else(|| class_of_code(&self.name))
+    /// The channel frequency class that it went through: as the header states, or else by the letter of the code.
+    pub fn class(&self) -> Option<f64> {
+        self.header.text("Channel frequency class").and_then(class_of).or_else(|| class_of_code(&self.name))
+    }
+
+    /// The warning of a class that the header states and that is unknown.
+    pub fn unknown_class(&self) -> Option<Warning> {
+        let stated = self.header.text("Channel frequency class").filter(|stated| class_of(stated).is_none())?;
+        Some(Warning::UnknownFilterClass { channel: self.name.clone(), stated: stated.to_owned() })
+    }
+
+    /// Whether another channel has its times.
+    pub fn is_explicit(&self) -> bool {
+        self.axis_kind().as_deref() == Some("explicit")
+    }
+
+    /// Whether the header says how its times are given.
+    pub fn has_axis_kind(&self) -> bool {
+        matches!(self.axis_kind().as_deref(), Some("explicit" | "implicit"))
+    }
+
+    fn axis_kind(&self) -> Option<String> {
+        self.header.text("Reference channel").map(str::to_lowercase)
+    }
+
+    /// The key of the line that gives its times.
+    pub fn axis_key(&self) -> &'static str {
+        if self.is_explicit() { "Reference channel name" } else { "Sampling interval" }
     }
 
     /// The values as they are written; `NaN` where there is none.
     pub fn values(&self) -> Result<Vec<f64>, Error> {
-        self.read_values(|_| Ok(()))
-    }
-
-    /// The values as times in s; a warning where the header does not state their unit.
-    pub fn times(&self, warnings: &mut Vec<Warning>) -> Result<Vec<f64>, Error> {
-        let mut previous = f64::NEG_INFINITY;
-        let mut times = self.read_values(|time| {
-            if time.is_nan() {
-                return Err(refusal!("a sample of the time axis `{}` was not measured", self.name));
-            }
-            if time <= previous {
-                return Err(not_increasing(time, previous));
-            }
-            previous = time;
-            Ok(())
-        })?;
-        let Some(symbol) = self.header.text("Unit") else {
-            warnings.push(Warning::TimeUnitAssumed { channel: self.name.clone() });
-            return Ok(times);
-        };
-        let unit = Unit::parse(symbol).ok().filter(|unit| unit.measures(Time::DIMENSION));
-        let unit = unit.ok_or_else(|| self.fault_at("Unit", not_a_time(&self.name, symbol)))?;
-        times.iter_mut().for_each(|time| *time = unit.to_si(*time));
-        Ok(times)
-    }
-
-    /// A number of the header.
-    pub fn number(&self, key: &str) -> Result<Option<f64>, Error> {
-        self.header.number(key).map_err(|error| error.in_file(&self.file.path))
-    }
-
-    /// A mistake in the line of a key.
-    pub fn fault_at(&self, key: &str, error: Error) -> Error {
-        error.at(self.header.line(key), 1).in_file(&self.file.path)
-    }
-
-    fn read_values(&self, check: impl FnMut(f64) -> Result<(), Error>) -> Result<Vec<f64>, Error> {
-        let (values, last) = self.rows(check).map_err(|error| error.in_file(&self.file.path))?;
+        let (values, last) = self.rows().map_err(|error| error.in_file(&self.file.path))?;
         let (channel, found) = (&self.name, values.len());
         let at_end = |error: Error| error.at(last, 1).in_file(&self.file.path);
         match self.number("Number of samples")? {
@@ -99,15 +79,29 @@ impl ChannelHead {
         }
     }
 
+    /// A number of the header.
+    pub fn number(&self, key: &str) -> Result<Option<f64>, Error> {
+        self.header.number(key).map_err(|error| error.in_file(&self.file.path))
+    }
+
+    /// A mistake in the line of a key.
+    pub fn fault_at(&self, key: &str, error: Error) -> Error {
+        error.at(self.header.line(key), 1).in_file(&self.file.path)
+    }
+
+    /// A mistake in the line of a sample, counted from zero; the values follow each other.
+    pub fn fault_in(&self, sample: usize, error: Error) -> Error {
+        let first = head(&self.file).ok().and_then(|(_, first, _)| first).map_or(0, |line| line.number + sample);
+        error.at(first, 1).in_file(&self.file.path)
+    }
+
     /// The values, and the line that the last of them stands in.
-    fn rows(&self, mut check: impl FnMut(f64) -> Result<(), Error>) -> Result<(Vec<f64>, usize), Error> {
+    fn rows(&self) -> Result<(Vec<f64>, usize), Error> {
         let (_, first, mut lines) = head(&self.file)?;
         let (mut values, mut last) = (Vec::new(), 0);
         let mut push = |line: &Line| {
             let at = |error: Error| error.at(line.number, 1);
-            let value = self.value(line.text.trim()).map_err(at)?;
-            check(value).map_err(at)?;
-            values.push(value);
+            values.push(self.value(line.text.trim()).map_err(at)?);
             last = line.number;
             if values.len() <= MOST_VALUES {
                 return Ok(());
@@ -214,14 +208,14 @@ const LONGEST: usize = 4 << 20;
 /// Keys and values in the order of the file; keys may stand several times, as comments do.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Header {
-    entries: Vec<Entry>,
+    lines: Vec<HeaderLine>,
     /// Of the lines that were added.
     bytes: usize,
 }
 
 /// One line of a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct HeaderLine {
     /// As the file writes it.
     pub key: String,
     /// None where nothing is stated: NOVALUE, NONE or nothing at all.
@@ -237,16 +231,16 @@ impl Header {
             return Ok(false);
         };
         self.bytes += line.len();
-        if self.entries.len() >= MOST_LINES || self.bytes > LONGEST {
+        if self.lines.len() >= MOST_LINES || self.bytes > LONGEST {
             return Err(refusal!("the header is too long").at(number, 1));
         }
-        self.entries.push(Entry { key: key.trim().to_owned(), value: stated(value), line: number });
+        self.lines.push(HeaderLine { key: key.trim().to_owned(), value: stated(value), line: number });
         Ok(true)
     }
 
     /// All lines.
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
+    pub fn lines(&self) -> &[HeaderLine] {
+        &self.lines
     }
 
     /// The value of the first line with this key, however it is capitalised; none where nothing is stated.
@@ -268,8 +262,8 @@ impl Header {
         self.entry(key).map_or(0, |entry| entry.line)
     }
 
-    fn entry(&self, key: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.key.eq_ignore_ascii_case(key))
+    fn entry(&self, key: &str) -> Option<&HeaderLine> {
+        self.lines.iter().find(|line| line.key.eq_ignore_ascii_case(key))
     }
 }
 
@@ -336,7 +330,7 @@ mod tests {
         assert_eq!(header.text("Movie reference"), None);
         assert_eq!(header.text("Regulation"), None);
         assert_eq!(header.text("Comments"), Some("Time zero: first contact"));
-        assert_eq!(header.entries().iter().filter(|entry| entry.key == "Comments").count(), 2);
+        assert_eq!(header.lines().iter().filter(|line| line.key == "Comments").count(), 2);
         assert_eq!(header.number("Sampling interval").unwrap(), Some(1e-4));
         let error = header.number("Number of samples").unwrap_err();
         assert_eq!((error.line(), error.message()), (7, "`Number of samples` is not a number: `many`"));

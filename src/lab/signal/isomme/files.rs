@@ -40,12 +40,9 @@ impl Member {
 
     /// Its lines. Of one in an archive, the whole text is held in memory.
     pub fn lines(&self) -> Result<MemberLines, Error> {
-        match &self.place {
-            Place::Disk => Ok(text::open(&self.path)?.boxed()),
-            Place::Archive(archive, at) => {
-                let inner = self.path.strip_prefix(at).unwrap_or(&self.path);
-                Ok(Lines::new(Box::new(Cursor::new(archive.bytes(inner).map_err(FileError::Io)?))))
-            }
+        match &self.place.0 {
+            None => Ok(text::open(&self.path)?.boxed()),
+            Some(archive) => Ok(Lines::new(Box::new(Cursor::new(archive.bytes(&self.path).map_err(FileError::Io)?)))),
         }
     }
 }
@@ -83,46 +80,27 @@ impl Files {
     }
 }
 
-/// Where paths lead to: to the disk, or into an archive, whose path is that of its outermost folder.
+/// Where paths lead to: to the disk, or into an archive.
 #[derive(Clone, Debug)]
-enum Place {
-    Disk,
-    Archive(Arc<Archive>, PathBuf),
-}
+struct Place(Option<Arc<Archive>>);
 
 impl Place {
     fn from_path(path: &Path) -> Result<Place, Error> {
-        if path.is_file() && has_extension(path, "zip") {
-            return Ok(Place::Archive(Arc::new(Archive::open(path)?), path.to_owned()));
-        }
-        Ok(Place::Disk)
+        let is_archive = path.is_file() && has_extension(path, "zip");
+        Ok(Place(is_archive.then(|| Archive::open(path).map(Arc::new)).transpose()?))
     }
 
     fn is_folder(&self, path: &Path) -> bool {
-        match self {
-            Place::Disk => path.is_dir(),
-            Place::Archive(archive, at) => {
-                path.strip_prefix(at).is_ok_and(|inner| inner.as_os_str().is_empty() || archive.is_folder(inner))
-            }
-        }
+        self.0.as_ref().map_or_else(|| path.is_dir(), |archive| archive.is_folder(path))
     }
 
     fn is_file(&self, path: &Path) -> bool {
-        match self {
-            Place::Disk => path.is_file(),
-            Place::Archive(archive, at) => path.strip_prefix(at).is_ok_and(|inner| archive.is_file(inner)),
-        }
+        self.0.as_ref().map_or_else(|| path.is_file(), |archive| archive.files.contains_key(path))
     }
 
     /// The entries of a folder, in the order of their names.
     fn entries(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
-        match self {
-            Place::Disk => entries_on_disk(folder),
-            Place::Archive(archive, at) => {
-                let inner = folder.strip_prefix(at).unwrap_or(folder);
-                Ok(archive.entries(inner).into_iter().map(|entry| at.join(entry)).collect())
-            }
-        }
+        self.0.as_ref().map_or_else(|| entries_on_disk(folder), |archive| Ok(archive.entries(folder)))
     }
 
     /// The test in a folder, or else its list of channels. An archive may have it in its only folder.
@@ -131,9 +109,9 @@ impl Place {
         let of_kind = |kind| files.iter().filter(|file| has_extension(file, kind)).collect::<Vec<_>>();
         let (tests, lists) = (of_kind("mme"), of_kind("chn"));
         let folders: Vec<&PathBuf> = files.iter().filter(|file| self.is_folder(file)).collect();
-        match (&tests[..], &lists[..], &folders[..], self) {
+        match (&tests[..], &lists[..], &folders[..], &self.0) {
             ([one], ..) | ([], [one], ..) => Ok((*one).clone()),
-            ([], [], [inner], Place::Archive(..)) => self.test_in(inner),
+            ([], [], [inner], Some(_)) => self.test_in(inner),
             ([], [], ..) => {
                 Err(refusal!("neither a test (.mme) nor a list of channels (.chn) in the folder").in_file(folder))
             }
@@ -203,7 +181,9 @@ const ATTRIBUTES: &str = "__MACOSX";
 /// An archive whose names and sizes were checked.
 #[derive(Debug)]
 pub(super) struct Archive {
-    /// Place of each file in the archive.
+    /// Its path, that of its outermost folder.
+    path: PathBuf,
+    /// Place in the archive of each file, whose path is behind that of the archive.
     files: BTreeMap<PathBuf, usize>,
     zip: Mutex<ZipArchive<File>>,
 }
@@ -243,22 +223,17 @@ impl Archive {
             }
             check_size(&name, entry.size(), MOST_BYTES_OF_FILE)?;
             total = total.saturating_add(entry.size());
-            if files.insert(place, index).is_some() {
+            if files.insert(path.join(place), index).is_some() {
                 return Err(refusal!("the archive holds several files `{name}`"));
             }
         }
         check_size(&path.file_name().unwrap_or_default().to_string_lossy(), total, MOST_BYTES)?;
-        Ok(Archive { files, zip: Mutex::new(zip) })
+        Ok(Archive { path: path.to_owned(), files, zip: Mutex::new(zip) })
     }
 
-    /// Whether it holds files below `path`.
+    /// Whether `path` is that of the archive, or it holds files below.
     pub fn is_folder(&self, path: &Path) -> bool {
-        self.files.keys().any(|file| file != path && file.starts_with(path))
-    }
-
-    /// Whether `path` is one of its files.
-    pub fn is_file(&self, path: &Path) -> bool {
-        self.files.contains_key(path)
+        path == self.path || self.files.keys().any(|file| file != path && file.starts_with(path))
     }
 
     /// The files and folders in the folder `path`, each once, in the order of their names.

@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::stored::{Axis, Catalogue, Entry};
+use super::catalogue::{Axis, Catalogue, Entry};
 use super::text::unreadable;
 use super::{Annotations, Warning};
 use crate::error::Error;
@@ -91,7 +91,7 @@ impl Tdms {
             let [group, name] = &object.names[..] else { continue };
             let unit = UNITS.iter().find_map(|name| text(&object.properties, name).filter(|unit| !unit.is_empty()));
             let mut entry = Entry::new(group, name, unit)?;
-            entry.samples = found[place].samples;
+            entry.samples = Some(found[place].samples);
             if found[place].is_time && entry.column.unit.is_none() {
                 entry.column.unit = Unit::parse("s").ok();
             }
@@ -187,8 +187,8 @@ impl Catalogue for Tdms {
         &self.entries
     }
 
-    fn annotations(&self) -> Annotations {
-        self.annotations.clone()
+    fn annotations(&mut self) -> &mut Annotations {
+        &mut self.annotations
     }
 
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::{Error, refusal};
-use crate::signal::stored::Binary;
+use crate::signal::catalogue::Binary;
 
 /// Bytes of a file that are read in order.
 pub struct Bytes<'a> {
@@ -77,16 +77,8 @@ pub fn too_many(at: u64, most: usize, what: &str) -> Error {
 /// Type of the values of a channel, or of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    I8,
-    I16,
-    I32,
-    I64,
-    U8,
-    U16,
-    U32,
-    U64,
-    F32,
-    F64,
+    /// Numbers of so many bytes.
+    Number(Binary, u8),
     Bool,
     Timestamp,
     /// Texts, whose values have different lengths.
@@ -107,16 +99,10 @@ impl Kind {
     pub fn from_code(code: u32) -> Option<Kind> {
         Some(match code {
             0 => Kind::Void,
-            1 => Kind::I8,
-            2 => Kind::I16,
-            3 => Kind::I32,
-            4 => Kind::I64,
-            5 => Kind::U8,
-            6 => Kind::U16,
-            7 => Kind::U32,
-            8 => Kind::U64,
-            9 | 0x19 => Kind::F32,
-            10 | 0x1a => Kind::F64,
+            1..=4 => Kind::Number(Binary::Signed, 1 << (code - 1)),
+            5..=8 => Kind::Number(Binary::Unsigned, 1 << (code - 5)),
+            9 | 0x19 => Kind::Number(Binary::Float, 4),
+            10 | 0x1a => Kind::Number(Binary::Float, 8),
             11 | 0x1b => Kind::Other { width: 16, what: "extended floating-point numbers" },
             0x20 => Kind::Text,
             0x21 => Kind::Bool,
@@ -130,31 +116,24 @@ impl Kind {
 
     /// Of the number that scalers of DAQmx have for it, which is another.
     pub fn from_scaler_code(code: u32) -> Option<Kind> {
-        const KINDS: [Kind; 10] = [
-            Kind::U8,
-            Kind::I8,
-            Kind::U16,
-            Kind::I16,
-            Kind::U32,
-            Kind::I32,
-            Kind::U64,
-            Kind::I64,
-            Kind::F32,
-            Kind::F64,
-        ];
-        KINDS.get(code as usize).copied().or((code == u32::MAX).then_some(Kind::Timestamp))
+        Some(match code {
+            // Unsigned and signed by turns, from one byte to eight.
+            0..=7 if code.is_multiple_of(2) => Kind::Number(Binary::Unsigned, 1 << (code / 2)),
+            0..=7 => Kind::Number(Binary::Signed, 1 << (code / 2)),
+            8 => Kind::Number(Binary::Float, 4),
+            9 => Kind::Number(Binary::Float, 8),
+            u32::MAX => Kind::Timestamp,
+            _ => return None,
+        })
     }
 
     /// Bytes of a value; none where they differ.
     pub fn width(self) -> Option<usize> {
         Some(match self {
             Kind::Void => 0,
-            Kind::I8 | Kind::U8 | Kind::Bool => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::I64 | Kind::U64 | Kind::F64 => 8,
+            Kind::Bool => 1,
             Kind::Timestamp => 16,
-            Kind::Other { width, .. } => width.into(),
+            Kind::Number(_, width) | Kind::Other { width, .. } => width.into(),
             Kind::Text | Kind::Daqmx => return None,
         })
     }
@@ -173,9 +152,7 @@ impl Kind {
     pub fn number(self, bytes: &[u8], is_big: bool) -> Option<f64> {
         let bytes = self.width().and_then(|width| bytes.get(..width))?;
         match self {
-            Kind::I8 | Kind::I16 | Kind::I32 | Kind::I64 => Binary::Signed.number(bytes, is_big),
-            Kind::U8 | Kind::U16 | Kind::U32 | Kind::U64 => Binary::Unsigned.number(bytes, is_big),
-            Kind::F32 | Kind::F64 => Binary::Float.number(bytes, is_big),
+            Kind::Number(meaning, _) => meaning.number(bytes, is_big),
             Kind::Bool => Some(f64::from(u8::from(bytes[0] != 0))),
             Kind::Timestamp | Kind::Text | Kind::Void | Kind::Daqmx | Kind::Other { .. } => None,
         }
