@@ -15,8 +15,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::estimate::Direction;
-use super::linearization::{ConfidenceOptions, Linearization};
 use super::noise::{Colour, Misfit, Noise};
+use super::{ConfidenceOptions, Linearization};
 use crate::error::{Error, refusal};
 use base::number::significant;
 

@@ -8,8 +8,8 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::covariance::Covariance;
-use super::linearization::{ConfidenceOptions, Linearization};
 use super::warning::Warning;
+use super::{ConfidenceOptions, Linearization};
 use crate::error::{Error, refusal};
 
 /// Probability of a value below the upper end of a two-sided interval of 95 %.

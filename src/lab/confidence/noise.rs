@@ -148,7 +148,7 @@ fn most_order(samples: usize) -> usize {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};

@@ -9,7 +9,6 @@ pub mod csv;
 pub mod export;
 pub mod file;
 pub mod filter;
-pub mod folder;
 pub mod format;
 pub mod gap;
 pub mod hdf5;

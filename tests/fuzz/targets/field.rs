@@ -1,6 +1,6 @@
 //! Displacement fields of digital image correlation, and the tables of their times.
 //!
-//! Readers: src/lab/dic
+//! Readers: src/lab/dic.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

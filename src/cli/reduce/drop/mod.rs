@@ -21,7 +21,7 @@ use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::units::{Acceleration, Force, Length, Mass, Time, Velocity};
 use lab::experiment::drop::Figures;
-use lab::signal::folder::{self, FolderContents};
+use lab::signal::format::{FolderContents, folder_contents};
 use lab::signal::{Annotations, VIRTUAL_RECORDING};
 use plot::{braille, thinned};
 use report::{DropPage, DropTest, drop_page};
@@ -282,7 +282,7 @@ impl Recordings {
     }
 
     fn add_folder(&mut self, place: &Path, out: Option<&Path>) -> Result<(), Diagnostic> {
-        let contents = folder::contents(place);
+        let contents = folder_contents(place);
         let FolderContents { recordings, others } =
             contents.map_err(|error| Diagnostic::new(format!("cannot list {}: {error}", shown_path(place))))?;
         if recordings == [place.to_owned()] {

@@ -6,7 +6,6 @@
 //! are read; the file of an index (`.tdms_index`) is not needed.
 
 mod objects;
-mod scale;
 mod segment;
 mod value;
 
@@ -21,9 +20,8 @@ use crate::error::Error;
 use base::file;
 use base::units::{Time, Unit};
 use objects::{Index, Object, Objects, Scaler};
-use scale::Scales;
 use segment::{Run, Segment, Segments};
-use value::{Kind, Timestamp, Value, ends, number, text};
+use value::{Kind, Scales, Timestamp, Value, ends, number, text};
 
 /// The first bytes of a file.
 const TAG: &[u8] = b"TDSm";

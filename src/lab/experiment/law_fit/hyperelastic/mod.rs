@@ -278,42 +278,29 @@ impl Energy {
     /// The law of these coefficients.
     fn of_coefficients(self, x: &[f64]) -> HyperelasticLaw {
         match self {
-            Energy::NeoHookean => law_of(Polynomial::neo_hookean(x[0])),
-            Energy::MooneyRivlin => law_of(Polynomial::mooney_rivlin(x[0], x[1])),
-            Energy::Yeoh => law_of(Polynomial::yeoh([x[0], x[1], x[2]])),
-            Energy::CompressibleNeoHookean => law_of(CompressibleNeoHookean { young: x[0], poisson: x[1] }),
-            Energy::Gent => law_of(Gent { mu: x[0], jm: x[1] }),
+            Energy::NeoHookean => HyperelasticLaw::Polynomial(film(Polynomial::neo_hookean(x[0]))),
+            Energy::MooneyRivlin => HyperelasticLaw::Polynomial(film(Polynomial::mooney_rivlin(x[0], x[1]))),
+            Energy::Yeoh => HyperelasticLaw::Polynomial(film(Polynomial::yeoh([x[0], x[1], x[2]]))),
+            Energy::CompressibleNeoHookean => {
+                HyperelasticLaw::CompressibleNeoHookean(film(CompressibleNeoHookean { young: x[0], poisson: x[1] }))
+            }
+            Energy::Gent => HyperelasticLaw::Gent(film(Gent { mu: x[0], jm: x[1] })),
             Energy::Ogden { .. } => {
                 let terms: Vec<OgdenTerm> = x.chunks(2).map(|term| OgdenTerm { mu: term[0], alpha: term[1] }).collect();
-                law_of(Ogden::new(&terms))
+                HyperelasticLaw::Ogden(film(Ogden::new(&terms)))
             }
         }
     }
 }
 
-/// A law of one of the energies.
-trait IntoLaw {
-    fn law(self) -> HyperelasticLaw;
-}
-
-macro_rules! into_law {
-    ($($energy:ident),+) => {
-        $(impl IntoLaw for $energy {
-            fn law(self) -> HyperelasticLaw {
-                HyperelasticLaw::$energy(Hyperelastic { energy: self, wrinkling: false })
-            }
-        })+
-    };
-}
-into_law!(Polynomial, Gent, Ogden, CompressibleNeoHookean);
-
-fn law_of(energy: impl IntoLaw) -> HyperelasticLaw {
-    energy.law()
+/// Film of an energy that carries compression.
+fn film<E>(energy: E) -> Hyperelastic<E> {
+    Hyperelastic { energy, wrinkling: false }
 }
 
 /// Largest I₁ − 3 of incompressible film at the stretches of the tests.
 fn largest_invariant(sets: &[DataSet]) -> f64 {
-    let rest = law_of(Polynomial::neo_hookean(1.0));
+    let rest = Energy::NeoHookean.of_coefficients(&[1.0]);
     let stretches = sets.iter().flat_map(|set| set.measured.states(&rest));
     stretches.map(|[a, b]| a * a + b * b + (a * b).powi(-2) - 3.0).fold(f64::MIN_POSITIVE, f64::max)
 }
