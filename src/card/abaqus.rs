@@ -1,6 +1,7 @@
 //! Cards of Abaqus and of CalculiX, whose keywords are the same where it has them: `*MATERIAL` with what follows.
 //!
-//! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first (from memory).
+//! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first, as connectors have their force
+//! before the motion (Keywords Reference 2017, *UNLOADING DATA); of fabric itself that is from memory.
 
 use super::film::{Draft, Refusal, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
 use super::layout::in_twenty;

@@ -1,4 +1,5 @@
-//! Cards of FEBio: a `<material>` of its feb files, for shells, since its elastic membrane has no such law.
+//! Cards of FEBio: a `<material>` of its feb files, for shells, since its elastic membrane has no such law. Names and constants are
+//! those of its sources (`FEBioMech/FEOgdenMaterial.cpp`, `FEUncoupledViscoElasticMaterial.cpp`).
 
 use super::film::{Draft, Refusal, bulk_modulus, shear_modulus};
 use super::layout::whole;

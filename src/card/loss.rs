@@ -80,6 +80,13 @@ findings! {
                 droptower a share of the law's stress";
             remedy "compare one relaxation at the strain of the load";
             message "Prony moduli are of small strain, G_i = g_i G";
+        ShellRelaxation = "card-shell-relaxation", Warning;
+            meaning "shells of LAW42 take G_i times the deviator of each increment of strain as overstress: without the factor of two, \
+                and without the pressure that keeps the volume. Its routine of August 2026 (sigeps42c.F) was called by itself; no whole \
+                run has compared it";
+            remedy "write a law identified at the rate of the load for that solver, without a Prony series";
+            message "film whose modulus halves by relaxation has 33 % of its overstress there in uniaxial tension, 12 % with the width \
+                held, none with both directions stretched, 50 % in shear";
         Compressible {
             poisson: f64, "Poisson's ratio that was written" => "poisson";
         } = "card-compressible", Note;

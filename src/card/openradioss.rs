@@ -187,7 +187,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
     let viscosity = draft.film.material.viscosity.as_ref();
     let relaxed = viscosity.map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
     let prony = viscosity.map_or(&[][..], |viscosity| viscosity.terms());
-    draft.losses.extend(viscosity.map(|_| Loss::LinearViscosity));
+    draft.losses.extend(viscosity.map(|_| Loss::ShellRelaxation));
     let mu: Vec<Field> = terms.iter().map(|term| Real(draft.stress(relaxed * term.mu))).collect();
     let alpha: Vec<Field> = terms.iter().map(|term| Real(term.alpha)).collect();
     let poisson = Real(request.poisson_of(law));

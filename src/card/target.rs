@@ -95,7 +95,7 @@ impl Target {
                     ("elastic", "/MAT/LAW19 (FABRI)"),
                     ("neo-Hookean, Mooney-Rivlin, Ogden", "/MAT/LAW42 (OGDEN)"),
                     ("plastic", "/MAT/LAW36 (PLAS_TAB); /MAT/LAW43 (HILL_TAB) with Hill"),
-                    ("Prony series on rubber", "moduli G_i and tau_i"),
+                    ("Prony series on rubber", "moduli G_i and tau_i; shells relax too little"),
                 ],
                 advice: &[
                     "the curves of LAW58 are over engineering strain although its manual says true; shear is over degrees",

@@ -175,9 +175,14 @@ def decks(solver):
         if name in ("rubber", "elastic"):
             scenario = Path(f"{name}-drop.toml")
         if name == "dart":
-            Path("dart.toml").unlink(missing_ok=True)
-            run(DROPTOWER, "--quiet", "new", "d1709-a", "dart.toml")
+            Path("d1709-a.toml").unlink(missing_ok=True)
+            run(DROPTOWER, "--quiet", "new", "d1709-a", "d1709-a.toml")
             scenario = Path("dart.toml")
+            # The deck lacks the weight's sag of slack film, 1.2 mm; on elements of 2 mm the peak is 2.4 % above that on 1 mm.
+            scenario.write_text(
+                'extends = "d1709-a.toml"\nspecimen.mesh.size = "1 mm"\n'
+                '[layers]\ncount = 1\nfaces = ["0 mm"]\nsettle = false\n'
+            )
         folder = Path(f"deck-{name}")
         run(DROPTOWER, "--quiet", "export", "deck", scenario, "--for", "openradioss", "-o", folder, "--force")
         compare(name, motion(solver.run(folder)), (0.02, 0.02, 0.02, why), "OpenRadioss", scenario)

@@ -59,7 +59,8 @@ findings! {
             remedy "add its angular velocity";
             message "lost: spin of an impactor";
         Settling = "deck-settling", Warning;
-            meaning "film of the test is brought to equilibrium with its weight before the impact, that of the deck is not";
+            meaning "film of the test is brought to equilibrium with its weight before the impact, that of the deck is not: slack film \
+                sags, by 1.2 mm in ASTM D1709 (method A), and the impactor of the deck travels as much further";
             remedy "compare with a scenario without `settle`";
             message "lost: equilibrium of the film with its weight before the test";
         Cuts = "deck-cuts", Warning;

@@ -278,6 +278,8 @@ fn prony_moduli_add_up_to_instantaneous_film() {
     let text = written(&film, &Request::new(Target::Abaqus, System::TMmS)).text;
     assert!(text.contains("*HYPERELASTIC, NEO HOOKE, MODULI=INSTANTANEOUS\n0.2, "), "{text}");
     assert!(text.contains("*VISCOELASTIC, TIME=PRONY\n0.3, 0.0, 0.01\n0.2, 0.0, 2.0\n"), "{text}");
+    let lost = written(&film, &Request::new(Target::OpenRadioss, System::TMmS)).losses;
+    assert!(lost.contains(&Loss::ShellRelaxation), "{lost:?}");
 }
 
 /// Flow curves along MD, Lankford values and ratios of yield stress.
