@@ -2,6 +2,7 @@
 //! format is a [`Catalogue`]; which channels are wanted, their units and their times are settled here for all formats.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::rc::Rc;
 
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
@@ -49,8 +50,8 @@ pub enum Axis {
     Channel(usize),
     /// Not at all; a channel of its group may be named like a time.
     Unknown,
-    /// By statements that are wrong or missing.
-    Refused(Error),
+    /// By statements that are wrong or missing; channels of a table share the refusal, which names all of them.
+    Refused(Rc<Error>),
 }
 
 impl Entry {
@@ -278,7 +279,7 @@ pub fn measure(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measur
     for place in wanted {
         let entry = &entries[place];
         match &axes[place] {
-            Ok(Axis::Refused(error)) => return Err(error.clone()),
+            Ok(Axis::Refused(error)) => return Err(Error::clone(error)),
             Ok(axis) => {
                 times.add(file, &entries, axis, options)?;
                 timed.push((place, axis, unit(file, entry, place, options)?));

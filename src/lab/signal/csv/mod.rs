@@ -11,6 +11,7 @@ mod layout;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
+use std::rc::Rc;
 
 use ::csv::WriterBuilder;
 
@@ -43,7 +44,7 @@ impl<R: BufRead> TextTable<R> {
     /// Reads the `lines` of a table up to its first row. Its rows are read once, one line after the other.
     pub fn new(mut lines: Lines<R>, options: &ReadOptions) -> Result<TextTable<R>, Error> {
         let layout = Layout::read(&mut lines, options)?;
-        let time = layout.time(options);
+        let time = layout.time(options).map_err(Rc::new);
         let entry = |column: &ColumnName| Entry {
             axis: time.clone().map_or_else(Axis::Refused, Axis::Channel),
             ..Entry::from_column("", column.clone())
@@ -265,6 +266,7 @@ fn cell(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Kind;
     use crate::signal::{Channel, file};
 
     #[test]
@@ -281,6 +283,14 @@ mod tests {
             assert_eq!(notes.len(), expected.len(), "{notes:?}");
             assert!(notes.iter().zip(expected).all(|(note, expected)| note.ends_with(expected)), "{notes:?}");
         }
+    }
+
+    /// A refusal that names all columns, once for each of them, would take gigabytes.
+    #[test]
+    fn a_wide_table_without_a_time_is_refused_once() {
+        let header: String = (0..100_000).map(|place| format!("a{place},")).collect();
+        let error = read_text(&format!("{header}b\n{}1\n", "1,".repeat(100_000))).unwrap_err();
+        assert_eq!(*error.kind(), Kind::NoTime);
     }
 
     fn read_text(text: &str) -> Result<Recording, Error> {

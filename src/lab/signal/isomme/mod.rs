@@ -10,6 +10,7 @@ mod files;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
+use std::rc::Rc;
 
 use super::catalogue::{Axis, Catalogue, Entry, Subject, Terms};
 use super::column_name::ColumnName;
@@ -120,7 +121,7 @@ fn entries(heads: &[ChannelHead], single: Option<usize>) -> Vec<Entry> {
         let column = ColumnName { name: head.name.clone(), label: head.name.clone(), unit, unknown_unit };
         Entry {
             long_name: Some(head.label.clone()),
-            axis: axis(head, &places).unwrap_or_else(Axis::Refused),
+            axis: axis(head, &places).unwrap_or_else(|error| Axis::Refused(Rc::new(error))),
             filtered: head.class(),
             by_name_only: single.map_or(is_axis, |single| single != place),
             ..Entry::from_column("", column)
