@@ -33,42 +33,32 @@ impl Target {
         Target::Curves,
     ];
 
+    /// Its name on the command line, its name in sentences, and the end of the name of a card.
+    fn names(self) -> [&'static str; 3] {
+        match self {
+            Target::LsDyna => ["ls-dyna", "LS-DYNA", "k"],
+            Target::OpenRadioss => ["openradioss", "OpenRadioss", "rad"],
+            Target::Abaqus => ["abaqus", "Abaqus", "inp"],
+            Target::CalculiX => ["calculix", "CalculiX", "inp"],
+            Target::Febio => ["febio", "FEBio", "feb"],
+            Target::Kratos => ["kratos", "Kratos", "json"],
+            Target::Curves => ["curves", "a table of curves", "csv"],
+        }
+    }
+
     /// Its name on the command line.
     pub fn key(self) -> &'static str {
-        match self {
-            Target::LsDyna => "ls-dyna",
-            Target::OpenRadioss => "openradioss",
-            Target::Abaqus => "abaqus",
-            Target::CalculiX => "calculix",
-            Target::Febio => "febio",
-            Target::Kratos => "kratos",
-            Target::Curves => "curves",
-        }
+        self.names()[0]
     }
 
     /// Its name in sentences.
     pub fn name(self) -> &'static str {
-        match self {
-            Target::LsDyna => "LS-DYNA",
-            Target::OpenRadioss => "OpenRadioss",
-            Target::Abaqus => "Abaqus",
-            Target::CalculiX => "CalculiX",
-            Target::Febio => "FEBio",
-            Target::Kratos => "Kratos",
-            Target::Curves => "a table of curves",
-        }
+        self.names()[1]
     }
 
     /// End of the name of a card.
     pub fn ending(self) -> &'static str {
-        match self {
-            Target::LsDyna => "k",
-            Target::OpenRadioss => "rad",
-            Target::Abaqus | Target::CalculiX => "inp",
-            Target::Febio => "feb",
-            Target::Kratos => "json",
-            Target::Curves => "csv",
-        }
+        self.names()[2]
     }
 
     /// What it is written for each kind of film, and what users of its cards should know.
@@ -188,15 +178,20 @@ impl System {
     /// All of them.
     pub const ALL: [System; 5] = [System::KgMS, System::TMmS, System::GMmMs, System::KgMmMs, System::LbfInS];
 
+    /// Its name; units of mass, length, time, force and stress as words; units of mass (kg), length (m) and time (s).
+    fn row(self) -> (&'static str, [&'static str; 5], [f64; 3]) {
+        match self {
+            System::KgMS => ("kg-m-s", ["kg", "m", "s", "N", "Pa"], [1.0, 1.0, 1.0]),
+            System::TMmS => ("t-mm-s", ["t", "mm", "s", "N", "MPa"], [1e3, 1e-3, 1.0]),
+            System::GMmMs => ("g-mm-ms", ["g", "mm", "ms", "N", "MPa"], [1e-3, 1e-3, 1e-3]),
+            System::KgMmMs => ("kg-mm-ms", ["kg", "mm", "ms", "kN", "GPa"], [1.0, 1e-3, 1e-3]),
+            System::LbfInS => ("lbf-in-s", ["lbf s^2/in", "in", "s", "lbf", "psi"], [POUND_FORCE / INCH, INCH, 1.0]),
+        }
+    }
+
     /// Its name on the command line and in cards.
     pub fn name(self) -> &'static str {
-        match self {
-            System::KgMS => "kg-m-s",
-            System::TMmS => "t-mm-s",
-            System::GMmMs => "g-mm-ms",
-            System::KgMmMs => "kg-mm-ms",
-            System::LbfInS => "lbf-in-s",
-        }
+        self.row().0
     }
 
     /// The system of this name.
@@ -206,24 +201,12 @@ impl System {
 
     /// Units of mass, length, time, force and stress, as words.
     pub fn words(self) -> [&'static str; 5] {
-        match self {
-            System::KgMS => ["kg", "m", "s", "N", "Pa"],
-            System::TMmS => ["t", "mm", "s", "N", "MPa"],
-            System::GMmMs => ["g", "mm", "ms", "N", "MPa"],
-            System::KgMmMs => ["kg", "mm", "ms", "kN", "GPa"],
-            System::LbfInS => ["lbf s^2/in", "in", "s", "lbf", "psi"],
-        }
+        self.row().1
     }
 
     /// Units of mass (kg), length (m) and time (s).
     fn base(self) -> [f64; 3] {
-        match self {
-            System::KgMS => [1.0, 1.0, 1.0],
-            System::TMmS => [1e3, 1e-3, 1.0],
-            System::GMmMs => [1e-3, 1e-3, 1e-3],
-            System::KgMmMs => [1.0, 1e-3, 1e-3],
-            System::LbfInS => [POUND_FORCE / INCH, INCH, 1.0],
-        }
+        self.row().2
     }
 
     /// One unit of length, m.
