@@ -36,59 +36,43 @@ const IMPULSE: Measure = ([1, 1, -1], "N s");
 const ANGULAR_VELOCITY: Measure = ([0, 0, -1], "rad/s");
 const ANGULAR_ACCELERATION: Measure = ([0, 0, -2], "rad/s2");
 
-/// Values of the whole model, in the order of their numbers.
-const GLOBAL: [(&str, Measure); 22] = [
-    ("internal energy", ENERGY),
-    ("kinetic energy", ENERGY),
-    ("momentum x", IMPULSE),
-    ("momentum y", IMPULSE),
-    ("momentum z", IMPULSE),
-    ("mass", MASS),
-    ("time step", TIME),
-    ("rotational energy", ENERGY),
-    ("external work", ENERGY),
-    ("spring energy", ENERGY),
-    ("contact energy", ENERGY),
-    ("hourglass energy", ENERGY),
-    ("elastic contact energy", ENERGY),
-    ("friction contact energy", ENERGY),
-    ("damping contact energy", ENERGY),
-    ("plastic work", ENERGY),
-    ("added mass", MASS),
-    ("added mass share", ([0, 0, 0], "-")),
-    ("inlet mass", MASS),
-    ("outlet mass", MASS),
-    ("inlet energy", ENERGY),
-    ("outlet energy", ENERGY),
+/// Values that follow each other in the order of their numbers: their measure, and their names between commas.
+type Values = [(Measure, &'static str)];
+
+/// Values of the whole model.
+const GLOBAL: &Values = &[
+    (ENERGY, "internal energy, kinetic energy"),
+    (IMPULSE, "momentum x, momentum y, momentum z"),
+    (MASS, "mass"),
+    (TIME, "time step"),
+    (ENERGY, "rotational energy, external work, spring energy, contact energy, hourglass energy"),
+    (ENERGY, "elastic contact energy, friction contact energy, damping contact energy, plastic work"),
+    (MASS, "added mass"),
+    (([0, 0, 0], "-"), "added mass share"),
+    (MASS, "inlet mass, outlet mass"),
+    (ENERGY, "inlet energy, outlet energy"),
 ];
 
 /// Kinds of groups that are read, and their values by number: of nodes, and of rigid bodies, whose forces are summed over time.
 const NODES: i32 = 0;
 const RIGID: i32 = 103;
-const OF_NODES: [(&str, Measure); 18] = [
-    ("DX", LENGTH),
-    ("DY", LENGTH),
-    ("DZ", LENGTH),
-    ("VX", VELOCITY),
-    ("VY", VELOCITY),
-    ("VZ", VELOCITY),
-    ("AX", ACCELERATION),
-    ("AY", ACCELERATION),
-    ("AZ", ACCELERATION),
-    ("VRX", ANGULAR_VELOCITY),
-    ("VRY", ANGULAR_VELOCITY),
-    ("VRZ", ANGULAR_VELOCITY),
-    ("ARX", ANGULAR_ACCELERATION),
-    ("ARY", ANGULAR_ACCELERATION),
-    ("ARZ", ANGULAR_ACCELERATION),
-    ("X", LENGTH),
-    ("Y", LENGTH),
-    ("Z", LENGTH),
+const OF_NODES: &Values = &[
+    (LENGTH, "DX, DY, DZ"),
+    (VELOCITY, "VX, VY, VZ"),
+    (ACCELERATION, "AX, AY, AZ"),
+    (ANGULAR_VELOCITY, "VRX, VRY, VRZ"),
+    (ANGULAR_ACCELERATION, "ARX, ARY, ARZ"),
+    (LENGTH, "X, Y, Z"),
 ];
 /// Reactions at nodes that are fixed or moved, summed over time, and the number of the first.
-const OF_REACTION: [(&str, Measure); 3] = [("REACX", IMPULSE), ("REACY", IMPULSE), ("REACZ", IMPULSE)];
+const OF_REACTION: &Values = &[(IMPULSE, "REACX, REACY, REACZ")];
 const FIRST_REACTION: i32 = 620;
-const OF_RIGID: [(&str, Measure); 3] = [("impulse FX", IMPULSE), ("impulse FY", IMPULSE), ("impulse FZ", IMPULSE)];
+const OF_RIGID: &Values = &[(IMPULSE, "impulse FX, impulse FY, impulse FZ")];
+
+/// Name and measure of the value at a place, from zero.
+fn value(values: &Values, place: usize) -> Option<(&'static str, Measure)> {
+    values.iter().flat_map(|(measure, names)| names.split(", ").map(|name| (name, *measure))).nth(place)
+}
 
 /// Values along z of a node whose motion is that of a test, as droptower calls them.
 const OF_TEST: [(i32, &str); 3] = [(3, "displacement_m"), (6, "velocity_m_s"), (9, "acceleration_m_s2")];
@@ -277,7 +261,7 @@ impl Head {
         if global > 0 {
             records.of_length("the values of the model", 4 * global)?;
             for number in 0..global {
-                let known = GLOBAL.get(number).copied();
+                let known = value(GLOBAL, number);
                 let name = known.map_or_else(|| format!("value {}", number + 1), |(name, _)| name.to_owned());
                 let measure = known.map(|(_, measure)| measure).ok_or(number as i32 + 1);
                 head.values.push(Value {
@@ -355,9 +339,9 @@ impl Head {
             Some((name, Ok(begin))) if kind == NODES && members.len() == 1 => (name, Some(begin)),
             _ => (title, None),
         };
-        let known: &[(&str, Measure)] = match kind {
-            NODES => &OF_NODES,
-            RIGID => &OF_RIGID,
+        let known = match kind {
+            NODES => OF_NODES,
+            RIGID => OF_RIGID,
             _ => &[],
         };
         for (row, member) in members.iter().enumerate() {
@@ -365,12 +349,12 @@ impl Head {
             for (column, number) in numbers.iter().enumerate() {
                 let place = first + 4 * (row * numbers.len() + column);
                 let (known, from) = match kind {
-                    NODES if *number >= FIRST_REACTION => (&OF_REACTION[..], FIRST_REACTION),
+                    NODES if *number >= FIRST_REACTION => (OF_REACTION, FIRST_REACTION),
                     _ => (known, 1),
                 };
-                let value = usize::try_from(*number - from).ok().and_then(|place| known.get(place));
-                let name = value.map_or_else(|| format!("value {number}"), |(name, _)| (*name).to_owned());
-                let measure = value.map(|(_, measure)| *measure).ok_or(*number);
+                let found = usize::try_from(*number - from).ok().and_then(|place| value(known, place));
+                let name = found.map_or_else(|| format!("value {number}"), |(name, _)| name.to_owned());
+                let measure = found.map(|(_, measure)| measure).ok_or(*number);
                 let of_test = OF_TEST.iter().find(|(of, _)| of == number).filter(|_| test.is_some());
                 if let Some((_, name)) = of_test {
                     self.values.push(Value { group: group.clone(), name: (*name).to_owned(), measure, place, test });
