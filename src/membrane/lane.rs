@@ -81,63 +81,61 @@ impl Width {
     }
 }
 
-/// Defines a function that runs `$lanewise`, an `#[inline(always)]` function of the same arguments, compiled for the
-/// vector instructions that its first argument names. With `up to AVX2` wider ones run that code too: what is seldom
-/// called gains little by another copy of it.
+/// Defines a function whose first argument names the vector instructions for which its body is compiled: with
+/// `up to AVX2` wider ones run that code too, since what is seldom called gains little by another copy of it.
 ///
 /// The functions are `#[inline]` so that each is compiled in the unit of its caller, that of the law
-/// (`engine::element_group::Grouped`), and an edit of a law compiles the kernels of that law alone. Tests call them from
-/// many units, which share one copy.
+/// (`engine::element::Grouped`), and an edit of a law compiles the kernels of that law alone. Tests call them from many
+/// units, which share one copy.
 #[macro_export]
 macro_rules! at_width {
     (
+        up to AVX2
         $(#[$attribute:meta])*
-        $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $lanewise:path
+        $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? $body:block
     ) => {
         $(#[$attribute])*
         #[cfg_attr(not(test), inline)]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[cfg_attr(not(test), inline)]
-                #[target_feature(enable = "avx512f,avx512dq")]
-                fn avx512<$($generics)*>($($argument: $kind),*) $(-> $result)? {
-                    $lanewise($($argument),*)
-                }
-                if width.supported() == $crate::lane::Width::Avx512 {
-                    // SAFETY: the processor was just seen to have these instructions.
-                    return unsafe { avx512($($argument),*) };
-                }
-            }
-            $crate::lane::at_width! {
-                fn up_to_avx2[$($generics)*]($($argument: $kind),*) $(-> $result)? = $lanewise, up to AVX2
-            }
-            up_to_avx2(width, $($argument),*)
+            #[inline(always)]
+            fn lanewise<$($generics)*>($($argument: $kind),*) $(-> $result)? $body
+            $crate::lane::at_width! { Avx2 "avx2" width lanewise [$($generics)*] ($($argument: $kind),*) ($($result)?) }
+            lanewise($($argument),*)
         }
     };
     (
         $(#[$attribute:meta])*
-        $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $lanewise:path,
-        up to AVX2
+        $visible:vis fn $name:ident[$($generics:tt)*]($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? $body:block
     ) => {
         $(#[$attribute])*
         #[cfg_attr(not(test), inline)]
         $visible fn $name<$($generics)*>(width: $crate::lane::Width, $($argument: $kind),*) $(-> $result)? {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[cfg_attr(not(test), inline)]
-                #[target_feature(enable = "avx2")]
-                fn avx2<$($generics)*>($($argument: $kind),*) $(-> $result)? {
-                    $lanewise($($argument),*)
-                }
-                if width.supported() != $crate::lane::Width::Baseline {
-                    // SAFETY: the processor was just seen to have these instructions or wider ones, which include them.
-                    return unsafe { avx2($($argument),*) };
-                }
+            #[inline(always)]
+            fn lanewise<$($generics)*>($($argument: $kind),*) $(-> $result)? $body
+            $crate::lane::at_width! {
+                Avx512 "avx512f,avx512dq" width lanewise [$($generics)*] ($($argument: $kind),*) ($($result)?)
             }
-            let _ = width;
-            $lanewise($($argument),*)
+            $crate::lane::at_width! { Avx2 "avx2" width lanewise [$($generics)*] ($($argument: $kind),*) ($($result)?) }
+            lanewise($($argument),*)
         }
+    };
+    (
+        $at_least:ident $features:literal $width:ident $lanewise:ident
+        [$($generics:tt)*] ($($argument:ident: $kind:ty),*) ($($result:ty)?)
+    ) => {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[cfg_attr(not(test), inline)]
+            #[target_feature(enable = $features)]
+            fn vectorised<$($generics)*>($($argument: $kind),*) $(-> $result)? {
+                $lanewise($($argument),*)
+            }
+            if $width.supported() as u8 >= $crate::lane::Width::$at_least as u8 {
+                // SAFETY: the processor was just seen to have these instructions or wider ones, which include them.
+                return unsafe { vectorised($($argument),*) };
+            }
+        }
+        let _ = $width;
     };
 }
 pub use at_width;

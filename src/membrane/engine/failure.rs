@@ -2,9 +2,7 @@
 
 use thiserror::Error;
 
-use super::element::{Block, Blocks, ElementEnergy, TooWide, energy_at, restart_after_break};
-use crate::lane::LANES;
-use crate::material::{History, MembraneLaw};
+use super::element::{ElementEnergy, TooWide};
 
 /// Failures in a film.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,72 +32,6 @@ impl Failures {
         self.opened |= other.opened;
         self.returned = smaller(self.returned, other.returned);
     }
-}
-
-/// Breaks the fibres of every layer that is strained past its break strain: the share of layers left is multiplied into
-/// the stress of the fibre set. An element without MD and TD fibres is deleted: its volume and its forces become zero.
-/// Mass stays at the nodes.
-#[cfg_attr(not(test), inline)]
-pub(super) fn fail<B, M, const NODES: usize>(
-    elements: &mut Blocks<B, NODES>,
-    law: &M,
-    position: &[&[f64]; 3],
-) -> Failures
-where
-    B: Block<NODES, LANES>,
-    M: MembraneLaw<History<LANES> = B::History>,
-{
-    // With a criterion of its own film softens and is deleted by that alone; break strains of fibres have no effect.
-    if elements.tearing.is_some() {
-        return open_tears(elements);
-    }
-    let mut total = Failures::default();
-    for (block, lane) in elements.indices() {
-        if elements.is_deleted(block, lane) {
-            continue;
-        }
-        let (before, left) = (elements.left(block, lane), elements.blocks[block].layers_left(law, lane));
-        if left == before {
-            continue;
-        }
-        // Before and after, with the law itself: what the difference is not stored any more went into rupture.
-        let mut lost = energy_at(elements, [block, lane], law, position);
-        if left == [0.0; 2] {
-            elements.blocks[block].delete(lane);
-        } else {
-            for (history, _) in elements.blocks[block].history_mut() {
-                for fibre in 0..2 {
-                    history.left_mut(fibre)[lane] = left[fibre];
-                }
-            }
-            if let Some(viscous) = &mut elements.viscous {
-                viscous.break_fibres([block, lane], before, left);
-            }
-            restart_after_break(elements, [block, lane], law, position);
-            lost.subtract(&energy_at(elements, [block, lane], law, position));
-        }
-        let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);
-        total.add(&Failures { broken: 1, failed: usize::from(failed), energy: lost, ..Failures::default() });
-    }
-    total
-}
-
-/// Deletes the elements whose tears have taken all of their forces.
-fn open_tears<B, const NODES: usize>(elements: &mut Blocks<B, NODES>) -> Failures
-where
-    B: Block<NODES, LANES>,
-{
-    let mut total = Failures::default();
-    for (block, lane) in elements.indices() {
-        let tearing = elements.tearing.as_ref().expect("a tear");
-        if !elements.is_deleted(block, lane) && tearing.share(block)[lane] == 0.0 {
-            elements.blocks[block].delete(lane);
-            total.broken += 1;
-            total.failed += 1;
-        }
-    }
-    let lost = elements.tearing.as_mut().expect("a tear").take_lost();
-    Failures { energy: lost.energy, too_wide: lost.too_wide, opened: lost.opened, ..total }
 }
 
 /// The smaller of two figures.

@@ -10,14 +10,13 @@ use serde::{Deserialize, Serialize};
 
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
-use super::element::{ElementDetail, ElementEnergy, ElementStrain, Forces, Torn};
-use super::element_group::ElementGroup;
+use super::element::{Common, ElementDetail, ElementEnergy, ElementGroup, ElementStrain, Forces, Tearing, Torn, place};
 use super::failure::Failures;
-use super::film_history::FilmHistory;
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
 use super::tips::{Events, MirrorPlane, Start, TearingFilm, Tips};
-use crate::lane::Width;
+use crate::lane::{LANES, Width};
+use crate::material::Rupture;
 
 /// A face of film ready to be stepped.
 #[derive(Clone)]
@@ -43,6 +42,18 @@ pub(super) struct Chunk {
     first: usize,
     /// Whether a fibre was past its break strain or a tear took energy in the last pass over the forces.
     failed: bool,
+}
+
+impl Chunk {
+    /// Number of its elements.
+    fn len(&self) -> usize {
+        self.group.common().count
+    }
+
+    /// Its tears, where film has a rupture criterion of its own.
+    fn tearing(&mut self) -> Option<&mut Tearing<LANES>> {
+        self.group.common_mut().tearing.as_mut()
+    }
 }
 
 impl Clone for Chunk {
@@ -74,7 +85,7 @@ impl Film {
         let mut first = 0;
         let chunk = |(group, colour): (Box<dyn ElementGroup>, usize)| {
             let chunk = Chunk { colour, first, failed: false, group };
-            first += chunk.group.len();
+            first += chunk.len();
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
@@ -88,30 +99,25 @@ impl Film {
 
     /// Number of elements.
     pub fn elements(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.group.len()).sum()
+        self.chunks.iter().map(Chunk::len).sum()
     }
 
     /// Whether its law admits stretches up to a limit only.
     pub fn has_limit(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.has_limit())
+        self.chunks.iter().any(|chunk| chunk.group.traits().has_limit)
     }
 
     /// Whether its law has a plastic strain.
     pub fn is_plastic(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.is_plastic())
+        self.chunks.iter().any(|chunk| chunk.group.traits().is_plastic)
     }
 
     /// Whether its law defines its thickness.
     pub fn has_thickness(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.has_thickness())
+        self.chunks.iter().any(|chunk| chunk.group.traits().has_thickness)
     }
 
-    /// Number of integration points.
-    pub(super) fn points(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.group.points()).sum()
-    }
-
-    /// Number of history variables of the law, at all integration points.
+    /// Number of history variables of its elements.
     pub(super) fn variables(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.group.variables()).sum()
     }
@@ -123,17 +129,17 @@ impl Film {
         elements + tips
     }
 
-    /// History variables of its elements.
-    pub(super) fn save(&self) -> FilmHistory {
-        let mut history = FilmHistory::default();
+    /// History variables of its elements: element by element, quads first, whatever the chunks and blocks that hold them.
+    pub(super) fn save(&self) -> Vec<f64> {
+        let mut history = vec![];
         self.chunks.iter().for_each(|chunk| chunk.group.save(&mut history));
         history
     }
 
-    /// Restores the history variables of its elements; `history` has as many integration points.
-    pub(super) fn restore(&mut self, history: &FilmHistory) {
-        let mut reader = history.reader();
-        self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut reader));
+    /// Restores the history variables of its elements, as many as it has.
+    pub(super) fn restore(&mut self, history: &[f64]) {
+        let mut rest = history.iter();
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.restore(&mut rest));
         self.find_tips();
     }
 
@@ -146,7 +152,15 @@ impl Film {
     /// Calls `show` with the nodes of every element that is not deleted, counted among all nodes.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
         let first = self.nodes.start as u32;
-        self.chunks.iter().for_each(|chunk| chunk.group.for_each(first, true, &mut show));
+        for chunk in &self.chunks {
+            let corners = &chunk.group.common().corners;
+            for element in chunk.group.elements(true) {
+                let mut nodes = [0; 4];
+                let of = corners.of(element);
+                nodes.iter_mut().zip(of).for_each(|(node, own)| *node = first + own);
+                show(&nodes[..of.len()]);
+            }
+        }
     }
 
     /// Colour and nodes of each chunk, counted among all nodes.
@@ -239,23 +253,28 @@ impl Film {
 
     /// Whether its elements have a rupture criterion of their own.
     pub fn has_rupture(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.has_rupture())
+        self.rupture().is_some()
+    }
+
+    /// Their rupture criterion.
+    fn rupture(&self) -> Option<Rupture> {
+        self.chunks.first()?.group.common().tearing.as_ref().map(|tearing| tearing.rupture)
     }
 
     /// Whether it warms up by what it absorbs.
     pub fn warms_up(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.warms_up())
+        self.chunks.iter().any(|chunk| chunk.group.common().heating.is_some())
     }
 
     /// Whether its tears take a fracture energy.
     pub fn takes_fracture_energy(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.takes_fracture_energy())
+        self.rupture().is_some_and(|rupture| rupture.fracture_energy > 0.0)
     }
 
     /// Its tears so far.
     pub fn torn(&self) -> Torn {
         let mut total = Torn::default();
-        self.chunks.iter().for_each(|chunk| total.add(&chunk.group.torn(self.thickness)));
+        self.chunks.iter().for_each(|chunk| total.add(&chunk.group.common().torn(self.thickness)));
         total
     }
 
@@ -271,7 +290,13 @@ impl Film {
             corners.windows(2).any(|ends| crosses([ends[0].into(), ends[1].into()], &of_element))
                 || corners[1..corners.len() - 1].iter().any(is_bend)
         };
-        let deleted = self.chunks.iter_mut().map(|chunk| chunk.group.delete(&crossed)).sum();
+        let mut deleted = 0;
+        for group in self.chunks.iter_mut().map(|chunk| &mut chunk.group) {
+            let is_cut = |element: &usize| crossed(group.common().corners.of(*element));
+            let cut: Vec<usize> = group.elements(true).filter(is_cut).collect();
+            deleted += cut.len();
+            cut.into_iter().for_each(|element| group.delete(element));
+        }
         self.find_tips();
         deleted
     }
@@ -282,9 +307,17 @@ impl Film {
             return;
         }
         let mut open = vec![false; self.nodes.len()];
-        let mut mark = |element: &[u32]| element.iter().for_each(|node| open[*node as usize] = true);
-        self.chunks.iter().for_each(|chunk| chunk.group.for_each_open(&mut mark));
-        self.chunks.iter_mut().for_each(|chunk| chunk.group.find_tips(&|node| open[node as usize]));
+        for group in self.groups() {
+            for element in group.elements(false).filter(|element| group.is_open(*element)) {
+                group.common().corners.of(element).iter().for_each(|node| open[*node as usize] = true);
+            }
+        }
+        for common in self.chunks.iter_mut().map(|chunk| chunk.group.common_mut()) {
+            let Common { count, corners, tearing: Some(tearing), .. } = common else { continue };
+            for element in 0..*count {
+                tearing.set_beside_open(place(element), corners.of(element).iter().any(|node| open[*node as usize]));
+            }
+        }
         if !open.contains(&true) || !self.takes_fracture_energy() {
             self.tips = None;
             return;
@@ -300,17 +333,18 @@ impl Film {
     /// Returns the least share of work that film returned at a tip where that decided.
     fn start_tears(&mut self, position: &[&[f64]; 3], looks: bool) -> Option<f64> {
         let tips = self.tips.as_ref()?;
-        let groups = self.groups();
-        let rupture = groups[0].rupture()?;
+        let (groups, rupture) = (self.groups(), self.rupture()?);
         let film =
             TearingFilm { groups: &groups, position, energy: rupture.fracture_energy, thickness: self.thickness };
         let Events { starts, waiting, returned } = tips.events(&film, looks);
-        waiting.iter().for_each(|[c, e]| self.chunks[*c as usize].group.go_on(*e as usize));
+        for [c, e] in waiting {
+            self.chunks[c as usize].tearing()?.go_on(place(e as usize));
+        }
         let mut opened = false;
         for Start { element: [c, e], width, offset } in starts {
-            let group = &mut self.chunks[c as usize].group;
-            group.start_tear(e as usize, width, offset);
-            opened |= group.is_open(e as usize);
+            let tearing = self.chunks[c as usize].tearing()?;
+            tearing.start(place(e as usize), width, offset);
+            opened |= tearing.is_open(place(e as usize));
         }
         if opened {
             self.find_tips();
@@ -350,9 +384,8 @@ fn contains(corners: &[Point2<f64>], point: Point2<f64>) -> bool {
 
 /// Nodes of all elements of a group, counted from `first`.
 fn nodes_of(group: &dyn ElementGroup, first: u32) -> Vec<u32> {
-    let mut nodes = vec![];
-    group.for_each(first, false, &mut |corners| nodes.extend_from_slice(corners));
-    nodes
+    let corners = &group.common().corners;
+    group.elements(false).flat_map(|element| corners.of(element)).map(|node| first + node).collect()
 }
 
 /// A film whose forces several threads add, each those of its own chunks.
@@ -408,7 +441,7 @@ pub(super) fn strains(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3], 
     let faces: Vec<Disjoint<'_, ElementStrain>> = out.iter_mut().map(|face| Disjoint::new(face)).collect();
     for_each_chunk(films, pool, |f, chunk| {
         // SAFETY: every chunk comes up once and writes to its own elements alone.
-        let own = unsafe { faces[f].range(chunk.first..chunk.first + chunk.group.len()) };
+        let own = unsafe { faces[f].range(chunk.first..chunk.first + chunk.len()) };
         chunk.group.strains(pool.width(), &films[f].own(position), own);
     });
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use nalgebra::Point3;
 
 use super::element::{
-    self, Block, Blocks, Forces, FullQuads, Quads, Shaped, StressFree, Tris, UndefinedFibreDirection,
+    self, Block, ElementGroup, Elements, Forces, FullQuads, Grouped, Quads, Shaped, StressFree, Tris,
+    UndefinedFibreDirection,
 };
-use super::element_group::{ElementGroup, Grouped};
 use super::film::Film;
 use super::nodes::{Nodes, Vectors};
 use super::tips::MirrorPlane;
@@ -65,27 +65,28 @@ impl LawVisitor for Mount<'_> {
     fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(mut self, law: &M) -> Self::Output {
         let law = Arc::new(law.clone());
         if self.section.full_integration {
-            self.add(&self.mesh.quads, |blocks: FullQuads<LANES, _>| M::group(Arc::clone(&law), blocks))?;
+            self.add(&law, &self.mesh.quads, |elements: FullQuads<M>| M::group(elements))?;
         } else {
-            self.add(&self.mesh.quads, |blocks: Quads<LANES, _>| M::group(Arc::clone(&law), blocks))?;
+            self.add(&law, &self.mesh.quads, |elements: Quads<M>| M::group(elements))?;
         }
-        self.add(&self.mesh.tris, |blocks: Tris<LANES, _>| M::group(Arc::clone(&law), blocks))?;
+        self.add(&law, &self.mesh.tris, |elements: Tris<M>| M::group(elements))?;
         Ok(self)
     }
 }
 
 impl Mount<'_> {
     /// Adds elements of one kind in groups, and their mass to their nodes.
-    fn add<B, const NODES: usize>(
+    fn add<M: MembraneLaw, B, const NODES: usize>(
         &mut self,
+        law: &Arc<M>,
         nodes: &[[u32; NODES]],
-        group: impl Fn(Blocks<B, NODES>) -> Box<dyn ElementGroup>,
+        group: impl Fn(Elements<M, B, NODES>) -> Box<dyn ElementGroup>,
     ) -> Result<(), UndefinedFibreDirection>
     where
-        B: Block<NODES, LANES>,
+        B: Block<M, NODES, LANES>,
         B::Element: Shaped<NODES>,
     {
-        let Section { density, thickness, law, viscosity, rupture, thermal, .. } = self.section;
+        let Section { density, thickness, viscosity, rupture, thermal, .. } = self.section;
         let (density, thickness) = (*density, *thickness);
         let viscous = viscosity.as_ref().map(|viscosity| {
             let base = law.viscous().expect("laws of viscous film are checked");
@@ -102,19 +103,17 @@ impl Mount<'_> {
                 let share = density * thickness * element.area() / NODES as f64;
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }
-            let blocks = Blocks::new(nodes, &elements, thickness);
-            let blocks = match &viscous {
-                Some(law) => blocks.with_viscosity(law.clone()),
-                None => blocks,
-            };
-            let blocks = match thermal {
-                Some(thermal) => blocks.with_heating(*thermal),
-                None => blocks,
-            };
-            self.groups.push(group(match *rupture {
-                Some(rupture) => blocks.with_rupture(rupture),
-                None => blocks,
-            }));
+            let mut elements = Elements::new(Arc::clone(law), nodes, &elements, thickness);
+            if let Some(law) = &viscous {
+                elements = elements.with_viscosity(law.clone());
+            }
+            if let Some(thermal) = thermal {
+                elements = elements.with_heating(*thermal);
+            }
+            if let Some(rupture) = rupture {
+                elements = elements.with_rupture(*rupture);
+            }
+            self.groups.push(group(elements));
         }
         Ok(())
     }
@@ -179,10 +178,7 @@ pub struct Mesh {
 
 /// The one-point quadrilaterals of a mesh with a law, `L` at once; `L` = 1 is the scalar kernel, element by element.
 /// The law need not be one of [`crate::material::Law`].
-pub struct Patch<M: MembraneLaw, const L: usize> {
-    law: M,
-    quads: Quads<L, M::History<L>>,
-}
+pub struct Patch<M: MembraneLaw, const L: usize>(Quads<M, L>);
 
 impl<M: MembraneLaw, const L: usize> Patch<M, L> {
     /// The quadrilaterals of `mesh`, `thickness` (m) thick in the configuration that `stress_free` relates to that of
@@ -197,7 +193,7 @@ impl<M: MembraneLaw, const L: usize> Patch<M, L> {
         thickness: f64,
     ) -> Result<Patch<M, L>, UndefinedFibreDirection> {
         let elements = element::shaped(&mesh.quads, &mesh.nodes, stress_free)?;
-        Ok(Patch { law, quads: Quads::new(&mesh.quads, &elements, thickness) })
+        Ok(Patch(Quads::new(Arc::new(law), &mesh.quads, &elements, thickness)))
     }
 
     /// These elements, of viscous film.
@@ -205,8 +201,8 @@ impl<M: MembraneLaw, const L: usize> Patch<M, L> {
     /// # Panics
     /// Where the law cannot have a Prony series ([`MembraneLaw::viscous`]).
     pub fn with_viscosity(self, viscosity: Viscosity) -> Patch<M, L> {
-        let base = self.law.viscous().expect("a law that can have a Prony series");
-        Patch { quads: self.quads.with_viscosity(ViscousLaw::new(viscosity, base)), law: self.law }
+        let base = self.0.law().viscous().expect("a law that can have a Prony series");
+        Patch(self.0.with_viscosity(ViscousLaw::new(viscosity, base)))
     }
 
     /// Adds the forces (N) at `position` (m), reached `dt` (s) after the position before, to `force`, with the vector
@@ -215,6 +211,6 @@ impl<M: MembraneLaw, const L: usize> Patch<M, L> {
         let forces = Forces::new(force.axes_mut());
         // SAFETY: there is one thread.
         let own = unsafe { forces.own() };
-        element::add_forces(width, &mut self.quads, &self.law, &position.axes(), dt, own);
+        element::add_forces(width, &mut self.0, &position.axes(), dt, own);
     }
 }

@@ -5,7 +5,6 @@ use thiserror::Error;
 
 use super::cushion::CushionState;
 use super::film_contact::FilmContactHistory;
-use super::film_history::FilmHistory;
 use super::impact::ImpactState;
 use super::pressure::Inflated;
 use super::{Clamp, EnergyLedger, Engine, Film, TimeStep, TooWide, Vectors};
@@ -25,7 +24,8 @@ pub struct State {
     returned: Option<f64>,
     position: Vectors,
     velocity: Vectors,
-    films: Vec<FilmHistory>,
+    /// History variables of the elements of each face.
+    films: Vec<Vec<f64>>,
     impacts: Vec<ImpactState>,
     film_contact: Option<FilmContactHistory>,
     clamp: Option<Vec<bool>>,
@@ -69,7 +69,7 @@ impl Engine {
     /// Restores a state of the same scene; the steps that follow give the same bits as those that followed it.
     ///
     /// # Errors
-    /// [`StateMismatch`] where the state has other numbers of nodes, faces, integration points or impactors; then the
+    /// [`StateMismatch`] where the state has other numbers of nodes, faces, history variables or impactors; then the
     /// engine is unchanged.
     pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
         // All checks before any change: a refused state must leave the engine as it was.
@@ -110,8 +110,7 @@ impl Engine {
         }
         same("faces", state.films.len(), self.films.len())?;
         for (history, film) in state.films.iter().zip(&self.films) {
-            same("integration points", history.points(), film.points())?;
-            same("history variables", history.variables(), film.variables())?;
+            same("history variables", history.len(), film.variables())?;
         }
         same("impactors", state.impacts.len(), self.impacts.len())?;
         let listed = state.impacts.iter().all(|impact| impact.contact.fits(nodes));

@@ -3,7 +3,7 @@
 use crate::lane::{LANES, Lane, splat};
 
 /// History variables of integration points, one point a lane.
-pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
+pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// History variables of virgin film.
     fn virgin() -> Self;
     /// Largest engineering strain so far of the MD (0) or TD (1) fibres.
@@ -13,21 +13,17 @@ pub trait History<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
     /// Share of the layers whose MD (0) or TD (1) fibres are not broken, mutable.
     fn left_mut(&mut self, fibre: usize) -> &mut Lane<L>;
     /// All variables, always in the same order.
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
-    /// All variables, in the order of [`History::variables`], to be restored.
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
 }
 
 /// History variables of one fibre set.
-pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync {
+pub trait FibreHistory<const L: usize>: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// History variables of virgin fibres.
     fn virgin() -> Self;
     /// Largest engineering strain so far.
     fn peak(&self) -> &Lane<L>;
     /// All variables, always in the same order.
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>>;
-    /// All variables, in the order of [`FibreHistory::variables`], to be restored.
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>>;
 }
 
 /// History variables of two fibre sets, of their coupling and of shear.
@@ -66,13 +62,9 @@ impl<F: FibreHistory<L>, const L: usize> History<L> for PointHistory<F, L> {
         &mut self.left[fibre]
     }
 
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        self.fibres.iter().chain([&self.biaxial]).flat_map(F::variables).chain([&self.shear]).chain(&self.left)
-    }
-
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
-        let biaxial = [&mut self.biaxial];
-        self.fibres.iter_mut().chain(biaxial).flat_map(F::variables_mut).chain([&mut self.shear]).chain(&mut self.left)
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+        let fibres = self.fibres.iter_mut().chain([&mut self.biaxial]);
+        fibres.flat_map(F::variables).chain([&mut self.shear]).chain(&mut self.left)
     }
 }
 
@@ -87,11 +79,7 @@ impl<const L: usize> FibreHistory<L> for Lane<L> {
         self
     }
 
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        [self].into_iter()
-    }
-
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
         [self].into_iter()
     }
 }

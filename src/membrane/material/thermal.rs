@@ -59,13 +59,7 @@ impl<const L: usize> Heat<L> {
     };
 
     /// Its variables, always in the same order.
-    pub(crate) fn variables(&self) -> [&Lane<L>; HEAT_VARIABLES] {
-        let Heat { share, next, absorbed, mounted, law_stored, law_absorbed } = self;
-        [share, next, absorbed, mounted, law_stored, law_absorbed]
-    }
-
-    /// Its variables, in the order of [`Heat::variables`], to be restored.
-    pub(crate) fn variables_mut(&mut self) -> [&mut Lane<L>; HEAT_VARIABLES] {
+    pub(crate) fn variables(&mut self) -> [&mut Lane<L>; HEAT_VARIABLES] {
         let Heat { share, next, absorbed, mounted, law_stored, law_absorbed } = self;
         [share, next, absorbed, mounted, law_stored, law_absorbed]
     }

@@ -103,89 +103,86 @@ impl NodeContacts {
 at_width! {
     /// Finds those of the `listed` nodes that penetrate. The neighbour list has a node once, and `listed` is a range of
     /// it that is disjoint from all others and that one thread takes.
-    pub(super) fn predict[](at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeContacts) = predict_lanewise
-}
-
-#[inline(always)]
-fn predict_lanewise(at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeContacts) {
-    contacts.blocks.resize_with(listed.len().div_ceil(LANES), Block::default);
-    contacts.count = 0;
-    contacts.coupled_film = CoupledFilm::default();
-    let centre = at.body.centre();
-    let mut sums: [Lane; 2] = [splat(0.0); 2];
-    for group in listed.chunks(LANES) {
-        // The last group is padded with copies of its last node, whose `close` is zero below: they count nowhere and
-        // are not stored.
-        let mut nodes = [0; LANES];
-        for l in 0..LANES {
-            nodes[l] = group[l.min(group.len() - 1)];
-        }
-        let mut arm = at.nodes.position.gather(&nodes);
-        let offset = gather(at.offset, &nodes);
-        for axis in 0..3 {
+    pub(super) fn predict[](at: &Predictor<'_>, listed: &[u32], contacts: &mut NodeContacts) {
+        contacts.blocks.resize_with(listed.len().div_ceil(LANES), Block::default);
+        contacts.count = 0;
+        contacts.coupled_film = CoupledFilm::default();
+        let centre = at.body.centre();
+        let mut sums: [Lane; 2] = [splat(0.0); 2];
+        for group in listed.chunks(LANES) {
+            // The last group is padded with copies of its last node, whose `close` is zero below: they count nowhere and
+            // are not stored.
+            let mut nodes = [0; LANES];
             for l in 0..LANES {
-                arm[axis][l] -= centre[axis];
+                nodes[l] = group[l.min(group.len() - 1)];
             }
-        }
-        // A sphere around the body sorts out most of the skin before any projection.
-        let squared = dot(&arm, &arm);
-        let mut close = splat(0.0);
-        for l in 0..LANES {
-            let radius = at.surface.bounding_radius() + offset[l];
-            // Masks are numbers, not Booleans: a product is a vector instruction where a branch in a lane is not.
-            close[l] = if squared[l] <= radius * radius { 1.0 } else { 0.0 };
-        }
-        for l in group.len()..LANES {
-            close[l] = 0.0;
-        }
-        if close == splat(0.0) {
-            store_normals(at, group, &[splat(0.0); 3], &close);
-            continue;
-        }
-        let (distance, normal) = match &at.nearest {
-            Some(nearest) => project_on_mesh(at, nearest, group, &arm, &close),
-            None => at.surface.project_lanes(&at.body.pose, &arm, &close),
-        };
-        store_normals(at, group, &normal, &close);
-        let block = &mut contacts.blocks[contacts.count];
-        // Written into the next free block, which is counted only if a lane penetrates: no copy, and no memory in a
-        // step.
-        block.mass = gather(&at.nodes.mass, &nodes);
-        let free = at.nodes.effective_inverse_mass().gather(&nodes);
-        for l in 0..LANES {
-            let gap = distance[l] - offset[l];
-            // Held in all directions a node cannot yield, and would be a mass that the body has to carry. `&` instead
-            // of `&&` keeps it free of branches.
-            let inside = (gap < 0.0) & (free[0][l] + free[1][l] + free[2][l] > 0.0);
-            block.penetrates[l] = if inside { close[l] } else { 0.0 };
-            // theory.md, equation 19: the normal velocity that is missing at the end of the step, not the present one.
-            block.violation[l] = -gap * at.per_second;
-        }
-        if block.penetrates == splat(0.0) {
-            continue;
-        }
-        block.nodes = nodes;
-        block.normal = normal;
-        block.arm = arm;
-        block.slip = at.nodes.velocity.gather(&nodes);
-        let surface_velocity = velocity_lanes(&at.body.velocity, &at.body.spin, &arm);
-        for axis in 0..3 {
+            let mut arm = at.nodes.position.gather(&nodes);
+            let offset = gather(at.offset, &nodes);
+            for axis in 0..3 {
+                for l in 0..LANES {
+                    arm[axis][l] -= centre[axis];
+                }
+            }
+            // A sphere around the body sorts out most of the skin before any projection.
+            let squared = dot(&arm, &arm);
+            let mut close = splat(0.0);
             for l in 0..LANES {
-                block.slip[axis][l] -= surface_velocity[axis][l];
+                let radius = at.surface.bounding_radius() + offset[l];
+                // Masks are numbers, not Booleans: a product is a vector instruction where a branch in a lane is not.
+                close[l] = if squared[l] <= radius * radius { 1.0 } else { 0.0 };
             }
-        }
-        let along = dot(&block.slip, &normal);
-        for axis in 0..3 {
+            for l in group.len()..LANES {
+                close[l] = 0.0;
+            }
+            if close == splat(0.0) {
+                store_normals(at, group, &[splat(0.0); 3], &close);
+                continue;
+            }
+            let (distance, normal) = match &at.nearest {
+                Some(nearest) => project_on_mesh(at, nearest, group, &arm, &close),
+                None => at.surface.project_lanes(&at.body.pose, &arm, &close),
+            };
+            store_normals(at, group, &normal, &close);
+            let block = &mut contacts.blocks[contacts.count];
+            // Written into the next free block, which is counted only if a lane penetrates: no copy, and no memory in a
+            // step.
+            block.mass = gather(&at.nodes.mass, &nodes);
+            let free = at.nodes.effective_inverse_mass().gather(&nodes);
             for l in 0..LANES {
-                block.slip[axis][l] -= normal[axis][l] * along[l];
+                let gap = distance[l] - offset[l];
+                // Held in all directions a node cannot yield, and would be a mass that the body has to carry. `&` instead
+                // of `&&` keeps it free of branches.
+                let inside = (gap < 0.0) & (free[0][l] + free[1][l] + free[2][l] > 0.0);
+                block.penetrates[l] = if inside { close[l] } else { 0.0 };
+                // theory.md, equation 19: the normal velocity that is missing at the end of the step, not the present one.
+                block.violation[l] = -gap * at.per_second;
             }
+            if block.penetrates == splat(0.0) {
+                continue;
+            }
+            block.nodes = nodes;
+            block.normal = normal;
+            block.arm = arm;
+            block.slip = at.nodes.velocity.gather(&nodes);
+            let surface_velocity = velocity_lanes(&at.body.velocity, &at.body.spin, &arm);
+            for axis in 0..3 {
+                for l in 0..LANES {
+                    block.slip[axis][l] -= surface_velocity[axis][l];
+                }
+            }
+            let along = dot(&block.slip, &normal);
+            for axis in 0..3 {
+                for l in 0..LANES {
+                    block.slip[axis][l] -= normal[axis][l] * along[l];
+                }
+            }
+            couple(at, block, &mut sums, &mut contacts.coupled_film);
+            contacts.count += 1;
         }
-        couple(at, block, &mut sums, &mut contacts.coupled_film);
-        contacts.count += 1;
+        // Lanes are added once a range, in one order, so that sums do not depend on the threads.
+        let [mass, momentum] = sums.map(|lanes| lanes.iter().sum());
+        contacts.coupled_film.add_along_z(mass, momentum);
     }
-    // Lanes are added once a range, in one order, so that sums do not depend on the threads.
-    let [mass, momentum] = sums.map(|lanes| lanes.iter().sum());
-    contacts.coupled_film.add_along_z(mass, momentum);
 }
 
 /// Signed distances and outward normals of a group of nodes at `arm` (m) from the centre of a mesh.
@@ -257,79 +254,76 @@ fn couple(at: &Predictor<'_>, block: &Block, sums: &mut [Lane; 2], coupled: &mut
 at_width! {
     /// Gives the penetrating nodes of a range the impulses with which they follow the body. The neighbour list has a
     /// node once, and the range is disjoint from all others; one thread takes it.
-    pub(super) fn correct[](at: &Corrector<'_>, contacts: &mut NodeContacts) = correct_lanewise
-}
-
-#[inline(always)]
-fn correct_lanewise(at: &Corrector<'_>, contacts: &mut NodeContacts) {
-    let NodeContacts { blocks, count, impulses, sums, largest_speed_squared, .. } = contacts;
-    impulses.clear();
-    let mut lane_sums = LaneImpulseSums::default();
-    let mut speeds: Lane = splat(0.0);
-    // The predictor stored violation and slip against the uncorrected body; only the difference is added, instead of
-    // both anew.
-    let (velocity, spin) = (at.corrected.velocity - at.body.velocity, at.corrected.spin - at.body.spin);
-    for block in &mut blocks[..*count] {
-        // The change of the surface's velocity by all contacts, and the violation and slip that it leaves.
-        let change = velocity_lanes(&velocity, &spin, &block.arm);
-        let normal_change = dot(&block.normal, &change);
-        let mut violation: Lane = splat(0.0);
-        let mut slip = block.slip;
-        for l in 0..LANES {
-            violation[l] = block.violation[l] + normal_change[l];
-            // A node from which the body recedes would have to be pulled: it gets no impulse (theory.md, equation 20).
-            block.active[l] = if violation[l] > 0.0 { block.penetrates[l] } else { 0.0 };
-        }
-        for axis in 0..3 {
+    pub(super) fn correct[](at: &Corrector<'_>, contacts: &mut NodeContacts) {
+        let NodeContacts { blocks, count, impulses, sums, largest_speed_squared, .. } = contacts;
+        impulses.clear();
+        let mut lane_sums = LaneImpulseSums::default();
+        let mut speeds: Lane = splat(0.0);
+        // The predictor stored violation and slip against the uncorrected body; only the difference is added, instead of
+        // both anew.
+        let (velocity, spin) = (at.corrected.velocity - at.body.velocity, at.corrected.spin - at.body.spin);
+        for block in &mut blocks[..*count] {
+            // The change of the surface's velocity by all contacts, and the violation and slip that it leaves.
+            let change = velocity_lanes(&velocity, &spin, &block.arm);
+            let normal_change = dot(&block.normal, &change);
+            let mut violation: Lane = splat(0.0);
+            let mut slip = block.slip;
             for l in 0..LANES {
-                // The tangential part of the change, with the opposite sign: slip is the velocity of film over the
-                // surface.
-                slip[axis][l] += block.normal[axis][l] * normal_change[l] - change[axis][l];
+                violation[l] = block.violation[l] + normal_change[l];
+                // A node from which the body recedes would have to be pulled: it gets no impulse (theory.md, equation 20).
+                block.active[l] = if violation[l] > 0.0 { block.penetrates[l] } else { 0.0 };
             }
-        }
-        let (share, _) = slip_correction(&slip, &violation, &at.friction.lanes(&block.nodes));
-        let mut normal = [splat(0.0); 3];
-        let mut tangential = [splat(0.0); 3];
-        for l in 0..LANES {
-            // The own mass, not the effective one, also at nodes held in one direction: `apply_impulses` leaves out
-            // what is held, and its reaction is that of the support.
-            let mass = block.active[l] * block.mass[l];
             for axis in 0..3 {
-                normal[axis][l] = block.normal[axis][l] * (violation[l] * mass);
-                tangential[axis][l] = -slip[axis][l] * (share[l] * mass);
+                for l in 0..LANES {
+                    // The tangential part of the change, with the opposite sign: slip is the velocity of film over the
+                    // surface.
+                    slip[axis][l] += block.normal[axis][l] * normal_change[l] - change[axis][l];
+                }
             }
-        }
-        let mut impulse = normal;
-        for axis in 0..3 {
+            let (share, _) = slip_correction(&slip, &violation, &at.friction.lanes(&block.nodes));
+            let mut normal = [splat(0.0); 3];
+            let mut tangential = [splat(0.0); 3];
             for l in 0..LANES {
-                impulse[axis][l] += tangential[axis][l];
+                // The own mass, not the effective one, also at nodes held in one direction: `apply_impulses` leaves out
+                // what is held, and its reaction is that of the support.
+                let mass = block.active[l] * block.mass[l];
+                for axis in 0..3 {
+                    normal[axis][l] = block.normal[axis][l] * (violation[l] * mass);
+                    tangential[axis][l] = -slip[axis][l] * (share[l] * mass);
+                }
             }
-        }
-        // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
-        let after = unsafe { at.nodes.apply_impulses(&block.nodes, &block.active, &impulse, at.dt) };
-        let mut film = at.previous_velocity.gather(&block.nodes);
-        let squared = dot(&after, &after);
-        for l in 0..LANES {
-            speeds[l] = larger(squared[l] * block.active[l], speeds[l]);
+            let mut impulse = normal;
             for axis in 0..3 {
-                // Work of an impulse is that along the mean of the velocities before and after (theory.md, equation
-                // 22).
-                film[axis][l] = 0.5 * (after[axis][l] + film[axis][l]);
+                for l in 0..LANES {
+                    impulse[axis][l] += tangential[axis][l];
+                }
+            }
+            // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
+            let after = unsafe { at.nodes.apply_impulses(&block.nodes, &block.active, &impulse, at.dt) };
+            let mut film = at.previous_velocity.gather(&block.nodes);
+            let squared = dot(&after, &after);
+            for l in 0..LANES {
+                speeds[l] = larger(squared[l] * block.active[l], speeds[l]);
+                for axis in 0..3 {
+                    // Work of an impulse is that along the mean of the velocities before and after (theory.md, equation
+                    // 22).
+                    film[axis][l] = 0.5 * (after[axis][l] + film[axis][l]);
+                }
+            }
+            lane_sums.add(&normal, &tangential, &block.arm, &film);
+            if at.lists_impulses {
+                let vector = |of: &Lane3, l: usize| Vector3::new(of[0][l], of[1][l], of[2][l]);
+                impulses.extend((0..LANES).filter(|l| block.active[*l] > 0.0).map(|l| Impulse {
+                    node: block.nodes[l] as usize,
+                    arm: vector(&block.arm, l),
+                    normal: vector(&normal, l),
+                    tangential: vector(&tangential, l),
+                }));
             }
         }
-        lane_sums.add(&normal, &tangential, &block.arm, &film);
-        if at.lists_impulses {
-            let vector = |of: &Lane3, l: usize| Vector3::new(of[0][l], of[1][l], of[2][l]);
-            impulses.extend((0..LANES).filter(|l| block.active[*l] > 0.0).map(|l| Impulse {
-                node: block.nodes[l] as usize,
-                arm: vector(&block.arm, l),
-                normal: vector(&normal, l),
-                tangential: vector(&tangential, l),
-            }));
-        }
+        *sums = lane_sums.total();
+        *largest_speed_squared = speeds.into_iter().fold(0.0, larger);
     }
-    *sums = lane_sums.total();
-    *largest_speed_squared = speeds.into_iter().fold(0.0, larger);
 }
 
 /// Velocity of the points at `arm` of a body with `velocity` and `spin`.

@@ -1,11 +1,9 @@
 //! Fully integrated elements: gradients of the shape functions at every integration point.
 
-use super::block::{
-    Block, BlockDetails, BlockEnergies, BlockStrains, add_deformation, add_stress, point_energy, point_stiffness,
-};
+use super::block::{Block, BlockEnergies, is_beyond, point_energy, point_stiffness};
 use super::viscous::{MovedBlock, ViscousBlock};
-use crate::lane::{Lane, Lane3, splat};
-use crate::material::{Deformation, History, MembraneLaw, PeakStrains, strains};
+use crate::lane::{Lane, Lane3, lanes, splat};
+use crate::material::{Deformation, History, MembraneLaw, PeakStrains};
 
 /// Elements with `NODES` nodes and `POINTS` integration points each.
 #[derive(Clone, Debug)]
@@ -53,10 +51,7 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     fn subtract_stress(&self, p: &[Lane3<L>; 2], out: &mut [Lane3<L>; NODES]) {
         for fibre in 0..2 {
             for axis in 0..3 {
-                let mut vp = splat::<L>(0.0);
-                for l in 0..L {
-                    vp[l] = self.volume[l] * p[fibre][axis][l];
-                }
+                let vp: Lane<L> = lanes(|l| self.volume[l] * p[fibre][axis][l]);
                 for a in 0..NODES {
                     for l in 0..L {
                         out[a][axis][l] -= self.gradient[a][fibre][l] * vp[l];
@@ -81,33 +76,30 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     }
 }
 
-impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Block<NODES, L>
-    for Gauss<NODES, POINTS, L, P>
+impl<M: MembraneLaw, const NODES: usize, const POINTS: usize, const L: usize> Block<M, NODES, L>
+    for Gauss<NODES, POINTS, L, M::History<L>>
 {
     type Element = GaussElement<NODES, POINTS>;
-    type History = P;
+    const POINTS: usize = POINTS;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a Self::Element, f64)) -> Self {
         let point = |p: usize| Point {
-            gradient: std::array::from_fn(|a| [0, 1].map(|i| std::array::from_fn(|l| lane(l).0.gradient[p][a][i]))),
-            volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area[p]),
-            history: P::virgin(),
+            gradient: std::array::from_fn(|a| [0, 1].map(|i| lanes(|l| lane(l).0.gradient[p][a][i]))),
+            volume: lanes(|l| lane(l).1 * lane(l).0.area[p]),
+            history: M::History::virgin(),
         };
         Gauss { points: std::array::from_fn(point) }
     }
 
     #[inline(always)]
-    fn forces<M>(
+    fn forces(
         &mut self,
         law: &M,
         mut viscous: Option<MovedBlock<'_, L>>,
         x: &[Lane3<L>; NODES],
         dt: f64,
         out: &mut [Lane3<L>; NODES],
-    ) -> bool
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    ) -> bool {
         let mut beyond = false;
         *out = [[splat(0.0); 3]; NODES];
         for (p, point) in self.points.iter_mut().enumerate() {
@@ -117,16 +109,13 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
                 viscous.advance(measure, p, &d, &mut stress);
             }
             point.subtract_stress(&stress.p, out);
-            beyond |= super::is_beyond(law, &point.history, &point.volume);
+            beyond |= is_beyond(law, &point.history, &point.volume);
         }
         beyond
     }
 
     #[inline(always)]
-    fn energies<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L> {
         let mut out = BlockEnergies::NONE;
         for (p, point) in self.points.iter().enumerate() {
             let energy = point_energy(law, viscous, p, &point.deformation(x), &point.history);
@@ -139,10 +128,7 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     }
 
     #[inline(always)]
-    fn stiffness<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> Lane<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    fn stiffness(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> Lane<L> {
         let mut bound = splat(0.0);
         for (p, point) in self.points.iter().enumerate() {
             let stiffness = point_stiffness(law, viscous, p, &point.deformation(x), &point.history);
@@ -155,90 +141,22 @@ impl<P: History<L>, const NODES: usize, const POINTS: usize, const L: usize> Blo
     }
 
     #[inline(always)]
-    fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L> {
-        let mut out = BlockStrains { strain: [splat(0.0); 3], peak: [splat(0.0); 2], left: [splat(1.0); 2] };
-        for point in &self.points {
-            let s = strains(&point.deformation(x));
-            for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
-                for l in 0..L {
-                    mean[l] += value[l] / POINTS as f64;
-                }
-            }
-            for fibre in 0..2 {
-                for l in 0..L {
-                    out.peak[fibre][l] = out.peak[fibre][l].max(point.history.peak(fibre)[l]);
-                    out.left[fibre][l] = out.left[fibre][l].min(point.history.left(fibre)[l]);
-                }
-            }
-        }
-        out
-    }
-
-    fn details<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockDetails<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
-        let mut out = BlockDetails::NONE;
-        for (p, point) in self.points.iter().enumerate() {
-            let viscous = viscous.map(|viscous| (viscous, p));
-            out.add(law, &point.deformation(x), &point.history, viscous, 1.0 / POINTS as f64);
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L> {
-        let mut out = Deformation::from([[splat(0.0); 3]; 2]);
-        for point in &self.points {
-            add_deformation(&mut out, &point.deformation(x), 1.0 / POINTS as f64);
-        }
-        out
-    }
-
-    fn stress<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> [Lane<L>; 3]
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
-        let mut out = [splat(0.0); 3];
-        for (p, point) in self.points.iter().enumerate() {
-            let d = point.deformation(x);
-            add_stress(&mut out, law, viscous, (p, &d, &point.history), 1.0 / POINTS as f64);
-        }
-        out
+    fn deformation_at(&self, point: usize, x: &[Lane3<L>; NODES]) -> Deformation<L> {
+        self.points[point].deformation(x)
     }
 
     fn gradients(&self) -> [[Lane<L>; 2]; NODES] {
-        let mean = |a: usize, i: usize, l: usize| {
-            self.points.iter().map(|point| point.gradient[a][i][l]).sum::<f64>() / POINTS as f64
+        let mean = |a: usize, i: usize| {
+            lanes(|l| self.points.iter().map(|point| point.gradient[a][i][l]).sum::<f64>() / POINTS as f64)
         };
-        std::array::from_fn(|a| std::array::from_fn(|i| std::array::from_fn(|l| mean(a, i, l))))
+        std::array::from_fn(|a| [mean(a, 0), mean(a, 1)])
     }
 
-    #[inline(always)]
-    fn volume(&self) -> Lane<L> {
-        let mut volume = splat(0.0);
-        for point in &self.points {
-            for l in 0..L {
-                volume[l] += point.volume[l];
-            }
-        }
-        volume
-    }
-
-    fn layers_left<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> [f64; 2] {
-        let least = |[md, td]: [f64; 2], left: [f64; 2]| [md.min(left[0]), td.min(left[1])];
-        self.points.iter().map(|point| super::layers_left(law, &point.history, lane)).fold([1.0; 2], least)
-    }
-
-    fn delete(&mut self, lane: usize) {
-        self.points.iter_mut().for_each(|p| p.volume[lane] = 0.0);
-    }
-
-    fn history(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+    fn history(&self) -> impl Iterator<Item = (&M::History<L>, &Lane<L>)> {
         self.points.iter().map(|point| (&point.history, &point.volume))
     }
 
-    fn history_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+    fn history_mut(&mut self) -> impl Iterator<Item = (&mut M::History<L>, &mut Lane<L>)> {
         self.points.iter_mut().map(|point| (&mut point.history, &mut point.volume))
     }
 }

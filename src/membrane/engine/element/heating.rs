@@ -1,7 +1,11 @@
-//! Heat of film that warms up by what it absorbs: its variables, beside the blocks (theory.md, section 31).
+//! Heat of film that warms up by what it absorbs: its variables, beside the blocks, and the pass that warms elements up
+//! (theory.md, section 31).
 
-use crate::lane::{Lane, lanes};
-use crate::material::{HEAT_VARIABLES, Heat, Thermal};
+use super::block::Block;
+use super::elements::Elements;
+use super::kernel::block_energies;
+use crate::lane::{LANES, Lane, Width, at_width, lanes};
+use crate::material::{Densities, HEAT_VARIABLES, Heat, MembraneLaw, Thermal};
 
 /// Adiabatic heating of elements and its variables, block by block.
 #[derive(Clone, Debug)]
@@ -22,13 +26,8 @@ impl<const L: usize> Heating<L> {
     }
 
     /// Variables of one block.
-    pub(crate) fn of_block(&self, block: usize) -> [&Lane<L>; HEAT_VARIABLES] {
+    pub(crate) fn of_block(&mut self, block: usize) -> [&mut Lane<L>; HEAT_VARIABLES] {
         self.blocks[block].variables()
-    }
-
-    /// Variables of one block, mutable.
-    pub(crate) fn of_block_mut(&mut self, block: usize) -> [&mut Lane<L>; HEAT_VARIABLES] {
-        self.blocks[block].variables_mut()
     }
 
     /// Bytes of its arrays.
@@ -59,16 +58,43 @@ impl<const L: usize> Heating<L> {
         lanes(|l| absorbed[l] + mounted[l])
     }
 
-    /// Moves a block on to the next position after `dt` (s), at which the law has `stored` and `absorbed` these energies (J/m³).
-    #[inline(always)]
-    pub(super) fn advance(&mut self, block: usize, stored: &Lane<L>, absorbed: &Lane<L>, dt: f64) {
-        self.blocks[block].advance(stored, absorbed, dt, &self.thermal);
-    }
-
     /// Takes over the energies (J/m³) that the law of the element at a block and lane stores and has absorbed, whose fibres
     /// broke.
-    pub(super) fn break_fibres(&mut self, [block, lane]: [usize; 2], [stored, absorbed]: [f64; 2]) {
+    fn break_fibres(&mut self, [block, lane]: [usize; 2], Densities { stored, absorbed }: Densities) {
         let heat = &mut self.blocks[block];
         (heat.law_stored[lane], heat.law_absorbed[lane]) = (stored, absorbed);
+    }
+}
+
+at_width! {
+    up to AVX2
+    /// Warms the elements up, which moved to `position` in `dt` (s), after their forces (theory.md, equation 358).
+    pub(super) fn warm_up[M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize](
+        elements: &mut Elements<M, B, NODES>, position: &[&[f64]; 3], dt: f64,
+    ) {
+        // Taken out, since heat is written while blocks and their viscous points are read.
+        let Some(mut heating) = elements.common.heating.take() else { return };
+        for (b, block) in elements.blocks.iter().enumerate() {
+            let x = elements.gather(b, position);
+            let energies = block_energies(Width::best(), block, &*elements.law, elements.viscous_block(b), &x);
+            let volume = block.volume();
+            let stored = lanes(|l| energies.densities(&volume, l).stored);
+            let absorbed = lanes(|l| energies.densities(&volume, l).absorbed);
+            heating.blocks[b].advance(&stored, &absorbed, dt, &heating.thermal);
+        }
+        elements.common.heating = Some(heating);
+    }
+}
+
+impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, B, NODES> {
+    /// Restarts the heat of the element at a block and lane in which fibres broke: what the law has absorbed less since then
+    /// left with them.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn restart_heat(&mut self, [block, lane]: [usize; 2], position: &[&[f64]; 3]) {
+        let Some(mut heating) = self.common.heating.take() else { return };
+        let (of, x) = (&self.blocks[block], self.gather(block, position));
+        let energies = block_energies(Width::best(), of, &*self.law, self.viscous_block(block), &x);
+        heating.break_fibres([block, lane], energies.densities(&of.volume(), lane));
+        self.common.heating = Some(heating);
     }
 }

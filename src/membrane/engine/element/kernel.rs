@@ -2,12 +2,76 @@
 
 use std::ops::Range;
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, Blocks, Corners};
-use super::energy::ElementEnergy;
+use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
+use super::elements::{BlockCorners, Elements};
 use super::viscous::{ViscousBlock, ViscousPass};
 use crate::engine::disjoint::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, splat};
 use crate::material::MembraneLaw;
+
+/// Energies of elements, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElementEnergy {
+    /// Returned on unloading.
+    pub stored: f64,
+    /// Absorbed by the law.
+    pub absorbed: f64,
+    /// In the stabilisation against hourglass modes.
+    pub hourglass: f64,
+}
+
+impl ElementEnergy {
+    /// Adds those of other elements.
+    pub fn add(&mut self, other: &ElementEnergy) {
+        self.stored += other.stored;
+        self.absorbed += other.absorbed;
+        self.hourglass += other.hourglass;
+    }
+
+    /// Subtracts those of other elements.
+    pub fn subtract(&mut self, other: &ElementEnergy) {
+        self.stored -= other.stored;
+        self.absorbed -= other.absorbed;
+        self.hourglass -= other.hourglass;
+    }
+}
+
+/// Strains of one element, averaged over its integration points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElementStrain {
+    /// Engineering strain along MD and TD, shear angle (rad).
+    pub strain: [f64; 3],
+    /// Largest MD and TD strain so far.
+    pub peak: [f64; 2],
+    /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
+    pub left: [f64; 2],
+    /// Volume of stress-free film, m³; zero once it is deleted.
+    pub volume: f64,
+}
+
+impl ElementStrain {
+    /// Whether the MD or the TD fibres of all layers are broken.
+    pub fn has_failed(&self) -> bool {
+        self.left.contains(&0.0)
+    }
+}
+
+/// Stress, thickness and fibres of one element, averaged over its integration points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElementDetail {
+    /// Nominal stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
+    pub stress: [f64; 3],
+    /// Thickness over that of stress-free film; NaN where the law does not define it.
+    pub thickness_ratio: f64,
+    /// Equivalent plastic strain; zero of a law without.
+    pub plastic_strain: f64,
+    /// Share of its forces that the element lost by tearing.
+    pub damage: f64,
+    /// Growth of its temperature since it was mounted, K; zero of film that does not warm up.
+    pub warming: f64,
+    /// Images of unit vectors along MD and TD of the stress-free film.
+    pub fibres: [[f64; 3]; 2],
+}
 
 /// Nodal forces that several threads add to, each to those of its own nodes.
 pub(crate) struct Forces<'a>([Disjoint<'a, f64>; 3]);
@@ -34,27 +98,24 @@ impl<'a> Forces<'a> {
 /// Positions of a block's nodes.
 #[inline(always)]
 pub(super) fn gather<const NODES: usize, const L: usize>(
-    corners: &Corners<NODES, L>,
+    BlockCorners { nodes, is_row }: BlockCorners<'_, L>,
     position: &[&[f64]; 3],
     x: &mut [Lane3<L>; NODES],
 ) {
     // Structured meshes have their nodes in rows: one load of a vector instead of a gather.
-    match corners {
-        Corners::Row(first) => {
-            for a in 0..NODES {
-                for axis in 0..3 {
-                    let from = &position[axis][first[a] as usize..][..L];
-                    x[a][axis] = lanes(|l| from[l]);
-                }
+    if is_row {
+        for a in 0..NODES {
+            for axis in 0..3 {
+                let from = &position[axis][nodes[0][a] as usize..][..L];
+                x[a][axis] = lanes(|l| from[l]);
             }
         }
-        Corners::Listed(rows) => {
-            for a in 0..NODES {
-                for l in 0..L {
-                    let n = rows[a][l] as usize;
-                    for axis in 0..3 {
-                        x[a][axis][l] = position[axis][n];
-                    }
+    } else {
+        for a in 0..NODES {
+            for l in 0..L {
+                let n = nodes[l][a] as usize;
+                for axis in 0..3 {
+                    x[a][axis][l] = position[axis][n];
                 }
             }
         }
@@ -64,85 +125,31 @@ pub(super) fn gather<const NODES: usize, const L: usize>(
 /// Adds the forces on a block's nodes to those of the film.
 #[inline(always)]
 fn scatter<const NODES: usize, const L: usize>(
-    corners: &Corners<NODES, L>,
+    BlockCorners { nodes, is_row }: BlockCorners<'_, L>,
     out: &[Lane3<L>; NODES],
     OwnForces(force): OwnForces<'_>,
 ) {
-    match corners {
-        Corners::Row(first) => {
-            for a in 0..NODES {
-                let first = first[a] as usize;
-                for axis in 0..3 {
-                    // SAFETY: no other thread accesses these nodes.
-                    let to = unsafe { force[axis].range(first..first + L) };
-                    for l in 0..L {
-                        to[l] += out[a][axis][l];
-                    }
-                }
-            }
-        }
-        Corners::Listed(rows) => {
-            for a in 0..NODES {
+    if is_row {
+        for a in 0..NODES {
+            let first = nodes[0][a] as usize;
+            for axis in 0..3 {
+                // SAFETY: no other thread accesses these nodes.
+                let to = unsafe { force[axis].range(first..first + L) };
                 for l in 0..L {
-                    for axis in 0..3 {
-                        // SAFETY: as above.
-                        unsafe { *force[axis].entry(rows[a][l] as usize) += out[a][axis][l] };
-                    }
+                    to[l] += out[a][axis][l];
+                }
+            }
+        }
+    } else {
+        for a in 0..NODES {
+            for l in 0..L {
+                for axis in 0..3 {
+                    // SAFETY: as above.
+                    unsafe { *force[axis].entry(nodes[l][a] as usize) += out[a][axis][l] };
                 }
             }
         }
     }
-}
-
-at_width! {
-    /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their
-    /// history variables. Whether a fibre is past its break strain, where film has no rupture criterion of its own.
-    pub(crate) fn add_forces[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
-        elements: &mut Blocks<B, NODES, L>, law: &M, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
-    ) -> bool = add_forces_lanewise
-}
-
-#[inline(always)]
-fn add_forces_lanewise<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    elements: &mut Blocks<B, NODES, L>,
-    law: &M,
-    position: &[&[f64]; 3],
-    dt: f64,
-    force: OwnForces<'_>,
-) -> bool {
-    let mut failed = false;
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut out = [[splat(0.0); 3]; NODES];
-    // Known to the compiler, which leaves the viscous path out of laws that cannot have one.
-    let mut viscous = match M::MEASURE {
-        Some(_) => elements.viscous.as_mut().map(|viscous| viscous.pass(dt)),
-        None => {
-            assert!(elements.viscous.is_none(), "a Prony series on a law that cannot have one");
-            None
-        }
-    };
-    let (heating, tearing) = (elements.heating.as_ref(), elements.tearing.as_ref());
-    for (b, (corners, block)) in elements.corners.iter().zip(&mut elements.blocks).enumerate() {
-        gather(corners, position, &mut x);
-        let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
-        // Gather, law, scatter one after another, each over all lanes: the law is the only part that a new one brings.
-        let beyond = block.forces(law, viscous, &x, dt, &mut out);
-        // Heat and tears take a share of the forces of the law, which with its history knows nothing of them.
-        if let Some(heating) = heating {
-            take_share(&mut out, heating.next(b));
-        }
-        match tearing {
-            Some(tearing) => take_share(&mut out, tearing.next(b)),
-            None => failed |= beyond,
-        }
-        scatter(corners, &out, force);
-    }
-    failed
 }
 
 /// Multiplies the forces on a block's nodes by the `share` of each element.
@@ -156,326 +163,217 @@ fn take_share<const NODES: usize, const L: usize>(out: &mut [Lane3<L>; NODES], s
 }
 
 at_width! {
-    /// Energies of the elements of a block whose nodes are at `x`, J, without what heat and tears took. The laws are
-    /// compiled into this one function for all who need it.
-    pub(super) fn block_energies[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
-        block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
-    ) -> BlockEnergies<L> = block_energies_lanewise, up to AVX2
-}
-
-#[inline(always)]
-fn block_energies_lanewise<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    block: &B,
-    law: &M,
-    viscous: Option<ViscousBlock<'_, L>>,
-    x: &[Lane3<L>; NODES],
-) -> BlockEnergies<L> {
-    block.energies(law, viscous, x)
-}
-
-/// Energies of the elements of a block whose nodes are at `x`, J, with its heat and without what their tears took.
-#[cfg_attr(not(test), inline)]
-pub(super) fn warm_energies<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    width: Width,
-    elements: &Blocks<B, NODES, L>,
-    block: usize,
-    law: &M,
-    x: &[Lane3<L>; NODES],
-) -> BlockEnergies<L> {
-    let of = &elements.blocks[block];
-    let mut energies = block_energies(width, of, law, elements.viscous_block(block), x);
-    if let Some(heating) = &elements.heating {
-        let (share, absorbed, volume) = (heating.share(block), heating.absorbed(block), of.volume());
-        for l in 0..L {
-            energies.stored[l] *= share[l];
-            energies.hourglass[l] *= share[l];
-            energies.absorbed[l] = volume[l] * absorbed[l];
+    /// Adds the forces of all elements, whose nodes moved to `position` in `dt` (s), to `force`, and updates their
+    /// history variables. Whether a fibre is past its break strain, where film has no rupture criterion of its own.
+    pub(crate) fn add_forces[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
+        elements: &mut Elements<M, B, NODES, L>, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
+    ) -> bool {
+        let mut failed = false;
+        let [mut x, mut out] = [[[splat(0.0); 3]; NODES]; 2];
+        let Elements { law, blocks, viscous, common } = elements;
+        // Known to the compiler, which leaves the viscous path out of laws that cannot have one.
+        let mut viscous = match M::MEASURE {
+            Some(_) => viscous.as_mut().map(|viscous| viscous.pass(dt)),
+            None => {
+                assert!(viscous.is_none(), "a Prony series on a law that cannot have one");
+                None
+            }
+        };
+        let (heating, tearing) = (common.heating.as_ref(), common.tearing.as_ref());
+        for (b, (corners, block)) in common.corners.blocks().zip(blocks).enumerate() {
+            gather(corners, position, &mut x);
+            let viscous = viscous.as_mut().and_then(ViscousPass::next_block);
+            // Gather, law, scatter one after another, each over all lanes: the law is the only part that a new one brings.
+            let beyond = block.forces(law, viscous, &x, dt, &mut out);
+            // Heat and tears take a share of the forces of the law, which with its history knows nothing of them.
+            if let Some(heating) = heating {
+                take_share(&mut out, heating.next(b));
+            }
+            match tearing {
+                Some(tearing) => take_share(&mut out, tearing.next(b)),
+                None => failed |= beyond,
+            }
+            scatter(corners, &out, force);
         }
+        failed
     }
-    energies
-}
-
-/// Energies of the elements of `blocks`, J, a lane each: those of the same lane are summed.
-#[cfg_attr(not(test), inline)]
-fn lane_energies<B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize>(
-    width: Width,
-    elements: &Blocks<B, NODES, L>,
-    blocks: Range<usize>,
-    law: &M,
-    position: &[&[f64]; 3],
-) -> BlockEnergies<L> {
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut sums = BlockEnergies::NONE;
-    for b in blocks {
-        gather(&elements.corners[b], position, &mut x);
-        // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
-        let energies = warm_energies(width, elements, b, law, &x);
-        let share = elements.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
-        for l in 0..L {
-            sums.stored[l] += share[l] * energies.stored[l];
-            sums.absorbed[l] += share[l] * energies.absorbed[l];
-            sums.hourglass[l] += share[l] * energies.hourglass[l];
-        }
-    }
-    sums
-}
-
-/// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
-#[cfg_attr(not(test), inline)]
-pub(crate) fn count_mounting<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    width: Width,
-    elements: &mut Blocks<B, NODES, L>,
-    law: &M,
-    position: &[&[f64]; 3],
-) {
-    let Blocks { corners, blocks, viscous: Some(viscous), .. } = elements else { return };
-    let mut x = [[splat(0.0); 3]; NODES];
-    for (b, (corners, block)) in corners.iter().zip(blocks).enumerate() {
-        gather(corners, position, &mut x);
-        let (energies, volume) = (block_energies(width, block, law, None, &x), block.volume());
-        viscous.count_mounting(
-            b,
-            std::array::from_fn(|l| match volume[l] {
-                // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
-                0.0 => 0.0,
-                volume => (energies.stored[l] + energies.absorbed[l]) / volume,
-            }),
-        );
-    }
-}
-
-/// Energies of all elements.
-#[cfg_attr(not(test), inline)]
-pub(crate) fn energy<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    width: Width,
-    elements: &Blocks<B, NODES, L>,
-    law: &M,
-    position: &[&[f64]; 3],
-) -> ElementEnergy {
-    let lanes = lane_energies(width, elements, 0..elements.blocks.len(), law, position);
-    ElementEnergy {
-        stored: lanes.stored.iter().sum(),
-        absorbed: lanes.absorbed.iter().sum(),
-        hourglass: lanes.hourglass.iter().sum(),
-    }
-}
-
-/// Energies of the element at `block`, `lane`.
-#[cfg_attr(not(test), inline)]
-pub(crate) fn energy_at<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    elements: &Blocks<B, NODES, L>,
-    [block, lane]: [usize; 2],
-    law: &M,
-    position: &[&[f64]; 3],
-) -> ElementEnergy {
-    let lanes = lane_energies(Width::best(), elements, block..block + 1, law, position);
-    ElementEnergy { stored: lanes.stored[lane], absorbed: lanes.absorbed[lane], hourglass: lanes.hourglass[lane] }
 }
 
 at_width! {
+    up to AVX2
+    /// Energies of the elements of a block whose nodes are at `x`, J, without what heat and tears took. The laws are
+    /// compiled into this one function for all who need it.
+    pub(super) fn block_energies[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
+        block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
+    ) -> BlockEnergies<L> {
+        block.energies(law, viscous, x)
+    }
+}
+
+at_width! {
+    up to AVX2
     /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this
     /// one function for all who need it.
-    fn block_stiffness[B: Block<NODES, L>, M: MembraneLaw<History<L> = B::History>, const NODES: usize, const L: usize](
+    fn block_stiffness[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
-    ) -> Lane<L> = block_stiffness_lanewise, up to AVX2
-}
-
-#[inline(always)]
-fn block_stiffness_lanewise<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    block: &B,
-    law: &M,
-    viscous: Option<ViscousBlock<'_, L>>,
-    x: &[Lane3<L>; NODES],
-) -> Lane<L> {
-    block.stiffness(law, viscous, x)
-}
-
-/// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-#[cfg_attr(not(test), inline)]
-pub(crate) fn frequency_bound<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    width: Width,
-    elements: &Blocks<B, NODES, L>,
-    law: &M,
-    density: f64,
-    position: &[&[f64]; 3],
-) -> f64 {
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut largest = splat::<L>(0.0);
-    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
-        gather(corners, position, &mut x);
-        let bound = block_stiffness(width, block, law, elements.viscous_block(b), &x);
-        let volume = block.volume();
-        let factor = elements.mass_factors.get(b).copied().unwrap_or(splat(1.0));
-        let share = elements.share(b);
-        for l in 0..L {
-            // theory.md, equation 17: lumped masses are equal, so the bound of the element is that of its stiffness
-            // over one of them.
-            let squared = share[l] * bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
-            // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
-            let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
-            largest[l] = if settled { largest[l] } else { squared };
-        }
+    ) -> Lane<L> {
+        block.stiffness(law, viscous, x)
     }
-    largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
 }
 
-/// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
-/// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
-#[cfg_attr(not(test), inline)]
-pub(crate) fn add_mass<
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-    const NODES: usize,
-    const L: usize,
->(
-    elements: &mut Blocks<B, NODES, L>,
-    law: &M,
-    [density, most]: [f64; 2],
-    position: &[&[f64]; 3],
-    add: &mut dyn FnMut(&[u32], f64),
-) {
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut factors = vec![splat(1.0); elements.blocks.len()];
-    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
-        gather(corners, position, &mut x);
-        let factors = &mut factors[b];
-        let bound = block_stiffness(Width::best(), block, law, elements.viscous_block(b), &x);
-        let volume = block.volume();
-        for l in (0..L).filter(|l| volume[*l] > 0.0) {
-            let own = density * volume[l] / NODES as f64;
-            let factor = bound[l] / (own * most);
-            if factor > 1.0 {
-                // The factor is kept, not the bound: later bounds divide by it while the film's own stiffness changes.
-                factors[l] = factor;
-                add(&corners.in_lane(l), (factor - 1.0) * own);
+at_width! {
+    up to AVX2
+    /// Strains of all elements, in order.
+    pub(super) fn strains[M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize](
+        elements: &Elements<M, B, NODES>, position: &[&[f64]; 3], out: &mut [ElementStrain],
+    ) {
+        let mut x = [[splat(0.0); 3]; NODES];
+        let blocks = elements.common.corners.blocks().zip(&elements.blocks);
+        for ((corners, block), out) in blocks.zip(out.chunks_mut(LANES)) {
+            gather(corners, position, &mut x);
+            let BlockStrains { strain, peak, left } = block.strains(&x);
+            let volume = block.volume();
+            for (l, out) in out.iter_mut().enumerate() {
+                // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
+                let left = if volume[l] == 0.0 { [0.0; 2] } else { [left[0][l], left[1][l]] };
+                let strain = [strain[0][l], strain[1][l], strain[2][l]];
+                *out = ElementStrain { strain, peak: [peak[0][l], peak[1][l]], left, volume: volume[l] };
             }
         }
     }
-    elements.mass_factors = factors;
 }
 
-/// Strains of one element, averaged over its integration points.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ElementStrain {
-    /// Engineering strain along MD and TD, shear angle (rad).
-    pub strain: [f64; 3],
-    /// Largest MD and TD strain so far.
-    pub peak: [f64; 2],
-    /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
-    pub left: [f64; 2],
-    /// Volume of stress-free film, m³; zero once it is deleted.
-    pub volume: f64,
-}
-
-impl ElementStrain {
-    /// Whether the MD or the TD fibres of all layers are broken.
-    pub fn has_failed(&self) -> bool {
-        self.left.contains(&0.0)
+impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, B, NODES> {
+    /// Positions of the nodes of a block.
+    #[inline(always)]
+    pub(super) fn gather(&self, block: usize, position: &[&[f64]; 3]) -> [Lane3; NODES] {
+        let mut x = [[splat(0.0); 3]; NODES];
+        gather(self.common.corners.block(block), position, &mut x);
+        x
     }
-}
 
-at_width! {
-    /// Strains of all elements, in order.
-    pub(crate) fn strains[B: Block<NODES, LANES>, const NODES: usize](
-        elements: &Blocks<B, NODES>, position: &[&[f64]; 3], out: &mut [ElementStrain],
-    ) = strains_lanewise, up to AVX2
-}
+    /// Energies of the elements of a block whose nodes are at `x`, J, with its heat and without what their tears took.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn warm_energies(&self, width: Width, block: usize, x: &[Lane3; NODES]) -> BlockEnergies<LANES> {
+        let mut energies = block_energies(width, &self.blocks[block], &*self.law, self.viscous_block(block), x);
+        if let Some(heating) = &self.common.heating {
+            let (share, absorbed, volume) =
+                (heating.share(block), heating.absorbed(block), self.blocks[block].volume());
+            for l in 0..LANES {
+                energies.stored[l] *= share[l];
+                energies.hourglass[l] *= share[l];
+                energies.absorbed[l] = volume[l] * absorbed[l];
+            }
+        }
+        energies
+    }
 
-#[inline(always)]
-fn strains_lanewise<B: Block<NODES, LANES>, const NODES: usize>(
-    elements: &Blocks<B, NODES>,
-    position: &[&[f64]; 3],
-    out: &mut [ElementStrain],
-) {
-    let mut x = [[splat(0.0); 3]; NODES];
-    for ((corners, block), out) in elements.corners.iter().zip(&elements.blocks).zip(out.chunks_mut(LANES)) {
-        gather(corners, position, &mut x);
-        let BlockStrains { strain, peak, left } = block.strains(&x);
-        let volume = block.volume();
-        for (l, out) in out.iter_mut().enumerate() {
-            // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
-            let left = if volume[l] == 0.0 { [0.0; 2] } else { [left[0][l], left[1][l]] };
-            let strain = [strain[0][l], strain[1][l], strain[2][l]];
-            *out = ElementStrain { strain, peak: [peak[0][l], peak[1][l]], left, volume: volume[l] };
+    /// Energies of the elements of `blocks`, J: `of_lanes` those of the same lane, which are summed.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn energy_of(
+        &self,
+        width: Width,
+        blocks: Range<usize>,
+        position: &[&[f64]; 3],
+        of_lanes: impl Fn(Lane) -> f64,
+    ) -> ElementEnergy {
+        let mut sums = BlockEnergies::NONE;
+        for b in blocks {
+            // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
+            let energies = self.warm_energies(width, b, &self.gather(b, position));
+            let share = self.common.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
+            for l in 0..LANES {
+                sums.stored[l] += share[l] * energies.stored[l];
+                sums.absorbed[l] += share[l] * energies.absorbed[l];
+                sums.hourglass[l] += share[l] * energies.hourglass[l];
+            }
+        }
+        ElementEnergy {
+            stored: of_lanes(sums.stored),
+            absorbed: of_lanes(sums.absorbed),
+            hourglass: of_lanes(sums.hourglass),
         }
     }
-}
 
-/// Stress, thickness and fibres of one element, averaged over its integration points.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ElementDetail {
-    /// Nominal stresses along MD and TD and in shear, Pa of one layer on its stress-free cross-section.
-    pub stress: [f64; 3],
-    /// Thickness over that of stress-free film; NaN where the law does not define it.
-    pub thickness_ratio: f64,
-    /// Equivalent plastic strain; zero of a law without.
-    pub plastic_strain: f64,
-    /// Share of its forces that the element lost by tearing.
-    pub damage: f64,
-    /// Growth of its temperature since it was mounted, K; zero of film that does not warm up.
-    pub warming: f64,
-    /// Images of unit vectors along MD and TD of the stress-free film.
-    pub fibres: [[f64; 3]; 2],
-}
-
-/// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
-#[cfg_attr(not(test), inline)]
-pub(crate) fn details<B: Block<NODES, LANES>, M: MembraneLaw<History<LANES> = B::History>, const NODES: usize>(
-    elements: &Blocks<B, NODES>,
-    law: &M,
-    position: &[&[f64]; 3],
-) -> Vec<ElementDetail> {
-    let mut x = [[splat(0.0); 3]; NODES];
-    let mut out = Vec::with_capacity(elements.count.next_multiple_of(LANES));
-    for (b, (corners, block)) in elements.corners.iter().zip(&elements.blocks).enumerate() {
-        gather(corners, position, &mut x);
-        let details = block.details(law, elements.viscous_block(b), &x);
-        let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
-        let (share, left) = (elements.share(b), elements.tearing.as_ref().map(|tearing| tearing.share(b)));
-        out.extend((0..LANES).map(|l| ElementDetail {
-            stress: stress.map(|s| share[l] * s[l]),
-            damage: left.map_or(0.0, |left| 1.0 - left[l]),
-            warming: elements.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
-            thickness_ratio: thickness_ratio[l],
-            plastic_strain: plastic_strain[l],
-            fibres: fibres.map(|f| f.map(|axis| axis[l])),
-        }));
+    /// Counts the energy of viscous film that was just mounted as work done on it: it is mounted at once and rests then.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn count_mounting(&mut self, width: Width, position: &[&[f64]; 3]) {
+        let Elements { law, blocks, viscous: Some(viscous), common } = self else { return };
+        let mut x = [[splat(0.0); 3]; NODES];
+        for (b, (corners, block)) in common.corners.blocks().zip(blocks).enumerate() {
+            gather(corners, position, &mut x);
+            let energies = block_energies(width, block, &**law, None, &x);
+            let volume = block.volume();
+            // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
+            let density = |l: usize| (energies.stored[l] + energies.absorbed[l]) / volume[l];
+            viscous.count_mounting(b, lanes(|l| if volume[l] == 0.0 { 0.0 } else { density(l) }));
+        }
     }
-    out.truncate(elements.count);
-    out
+
+    /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
+        let mut largest = splat::<LANES>(0.0);
+        for (b, block) in self.blocks.iter().enumerate() {
+            let bound = block_stiffness(width, block, &*self.law, self.viscous_block(b), &self.gather(b, position));
+            let (volume, share) = (block.volume(), self.common.share(b));
+            let factor = self.common.mass_factors.get(b).copied().unwrap_or(splat(1.0));
+            for l in 0..LANES {
+                // Lumped masses are equal, so the bound of the element is that of its stiffness over one of them.
+                let squared = share[l] * bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
+                // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
+                let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
+                largest[l] = if settled { largest[l] } else { squared };
+            }
+        }
+        largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
+    }
+
+    /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
+    /// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn add_mass(
+        &mut self,
+        [density, most]: [f64; 2],
+        position: &[&[f64]; 3],
+        add: &mut dyn FnMut(&[u32], f64),
+    ) {
+        let mut factors = vec![splat(1.0); self.blocks.len()];
+        for (b, block) in self.blocks.iter().enumerate() {
+            let x = self.gather(b, position);
+            let bound = block_stiffness(Width::best(), block, &*self.law, self.viscous_block(b), &x);
+            let volume = block.volume();
+            for l in (0..LANES).filter(|l| volume[*l] > 0.0) {
+                let own = density * volume[l] / NODES as f64;
+                let factor = bound[l] / (own * most);
+                if factor > 1.0 {
+                    // The factor is kept, not the bound: later bounds divide by it while the film's own stiffness changes.
+                    factors[b][l] = factor;
+                    add(self.common.corners.of(b * LANES + l), (factor - 1.0) * own);
+                }
+            }
+        }
+        self.common.mass_factors = factors;
+    }
+
+    /// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
+        let mut out = Vec::with_capacity(self.common.count.next_multiple_of(LANES));
+        for (b, block) in self.blocks.iter().enumerate() {
+            let details = block.details(&self.law, self.viscous_block(b), &self.gather(b, position));
+            let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
+            let (share, left) = (self.common.share(b), self.common.tearing.as_ref().map(|tearing| tearing.share(b)));
+            out.extend((0..LANES).map(|l| ElementDetail {
+                stress: stress.map(|s| share[l] * s[l]),
+                damage: left.map_or(0.0, |left| 1.0 - left[l]),
+                warming: self.common.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
+                thickness_ratio: thickness_ratio[l],
+                plastic_strain: plastic_strain[l],
+                fibres: fibres.map(|f| f.map(|axis| axis[l])),
+            }));
+        }
+        out.truncate(self.common.count);
+        out
+    }
 }

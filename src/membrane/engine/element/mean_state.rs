@@ -1,8 +1,8 @@
 //! Mean state of single elements, from which the energy that a tear releases follows (theory.md, section 25).
 
-use super::block::{Block, Blocks};
-use super::kernel::{gather, warm_energies};
-use crate::lane::{Width, splat};
+use super::block::Block;
+use super::elements::Elements;
+use crate::lane::{LANES, Width};
 use crate::material::{Densities, MembraneLaw};
 
 /// Gradients ∂N_a/∂X_I (1/m) of the shape functions of an element along MD and TD of the stress-free film; that of a
@@ -67,39 +67,29 @@ impl MeanState {
     }
 }
 
-/// Mean state of the element at a block and lane.
-#[cfg_attr(not(test), inline)]
-pub(crate) fn mean_state<B, M, const NODES: usize, const L: usize>(
-    elements: &Blocks<B, NODES, L>,
-    [b, l]: [usize; 2],
-    law: &M,
-    position: &[&[f64]; 3],
-) -> MeanState
-where
-    B: Block<NODES, L>,
-    M: MembraneLaw<History<L> = B::History>,
-{
-    let (block, viscous) = (&elements.blocks[b], elements.viscous_block(b));
-    let mut x = [[splat(0.0); 3]; NODES];
-    gather(&elements.corners[b], position, &mut x);
-    let left = elements.tearing.as_ref().map_or(1.0, |tearing| tearing.share(b)[l]);
-    let energies = warm_energies(Width::best(), elements, b, law, &x);
-    let volume = block.volume()[l];
-    let Densities { stored, absorbed } = energies.densities(&block.volume(), l);
-    let share = elements.share(b)[l];
-    MeanState {
-        gradients: gradients_of(block, l),
-        f: block.deformation(&x).f.map(|f| f.map(|axis| axis[l])),
-        stress: block.stress(law, viscous, &x).map(|s| share * s[l]),
-        stored: left * stored,
-        absorbed: left * absorbed,
-        volume,
+impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, B, NODES> {
+    /// Mean state of the element at a block and lane.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn mean_state(&self, [b, l]: [usize; 2], position: &[&[f64]; 3]) -> MeanState {
+        let (block, x) = (&self.blocks[b], self.gather(b, position));
+        let left = self.common.tearing.as_ref().map_or(1.0, |tearing| tearing.share(b)[l]);
+        let volume = block.volume();
+        let Densities { stored, absorbed } = self.warm_energies(Width::best(), b, &x).densities(&volume, l);
+        let share = self.common.share(b)[l];
+        MeanState {
+            gradients: gradients_of::<M, B, NODES>(block, l),
+            f: block.deformation(&x).f.map(|f| f.map(|axis| axis[l])),
+            stress: block.stress(&self.law, self.viscous_block(b), &x).map(|s| share * s[l]),
+            stored: left * stored,
+            absorbed: left * absorbed,
+            volume: volume[l],
+        }
     }
 }
 
 /// Gradients of the element in a lane.
 #[inline(always)]
-pub(super) fn gradients_of<B: Block<NODES, L>, const NODES: usize, const L: usize>(
+pub(super) fn gradients_of<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize>(
     block: &B,
     lane: usize,
 ) -> Gradients {

@@ -13,10 +13,10 @@
 //! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
 //! ```
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains, add_stress, point_energy, point_stiffness};
+use super::block::{Block, BlockEnergies, is_beyond, point_energy, point_stiffness};
 use super::viscous::{MovedBlock, ViscousBlock};
-use crate::lane::{Lane, Lane3, dot, splat};
-use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress, strains};
+use crate::lane::{Lane, Lane3, dot, lanes, splat};
+use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress};
 
 /// Elements with one point each.
 #[derive(Clone, Debug)]
@@ -152,33 +152,30 @@ fn stabilisation(law: &impl MembraneLaw) -> [f64; 2] {
     [IN_PLANE_STABILISATION * md, IN_PLANE_STABILISATION * td]
 }
 
-impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
+impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L>> {
     type Element = OnePointElement;
-    type History = P;
+    const POINTS: usize = 1;
 
     fn new<'a>(lane: impl Fn(usize) -> (&'a OnePointElement, f64)) -> Self {
-        let all = |value: &dyn Fn(&OnePointElement) -> f64| std::array::from_fn(|l| value(lane(l).0));
+        let all = |value: &dyn Fn(&OnePointElement) -> f64| lanes(|l| value(lane(l).0));
         OnePoint {
             gradient: [0, 1].map(|a| [0, 1].map(|i| all(&|e| e.gradient[a][i]))),
             skew: [0, 1].map(|a| all(&|e| e.skew[a])),
             skewed: (0..L).any(|l| lane(l).0.skew != [0.0; 2]),
-            volume: std::array::from_fn(|l| lane(l).1 * lane(l).0.area),
-            history: P::virgin(),
+            volume: lanes(|l| lane(l).1 * lane(l).0.area),
+            history: M::History::virgin(),
         }
     }
 
     #[inline(always)]
-    fn forces<M>(
+    fn forces(
         &mut self,
         law: &M,
         viscous: Option<MovedBlock<'_, L>>,
         x: &[Lane3<L>; 4],
         dt: f64,
         out: &mut [Lane3<L>; 4],
-    ) -> bool
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    ) -> bool {
         // Structured meshes are made of parallelograms, and theirs is the hot path. The law is compiled once for both.
         let shape = if self.skewed { self.shape::<true>(x) } else { self.shape::<false>(x) };
         let mut stress = law.stress(&shape.deformation, &mut self.history, dt);
@@ -192,14 +189,11 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         } else {
             self.scatter::<false>(&stress, &h, out);
         }
-        super::is_beyond(law, &self.history, &self.volume)
+        is_beyond(law, &self.history, &self.volume)
     }
 
     #[inline(always)]
-    fn energies<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockEnergies<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockEnergies<L> {
         let shape = self.shape::<true>(x);
         let energy = point_energy(law, viscous, 0, &shape.deformation, &self.history);
         let stabilisation = stabilisation(law);
@@ -218,10 +212,7 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     }
 
     #[inline(always)]
-    fn stiffness<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> Lane<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
+    fn stiffness(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> Lane<L> {
         let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
         let mut g = [[splat(0.0); 2]; 2];
@@ -250,35 +241,8 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
     }
 
     #[inline(always)]
-    fn strains(&self, x: &[Lane3<L>; 4]) -> BlockStrains<L> {
-        let s = strains(&self.shape::<true>(x).deformation);
-        let peak = [*self.history.peak(0), *self.history.peak(1)];
-        let left = [*self.history.left(0), *self.history.left(1)];
-        BlockStrains { strain: [s.md, s.td, s.shear], peak, left }
-    }
-
-    fn details<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockDetails<L>
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
-        let mut out = BlockDetails::NONE;
-        let viscous = viscous.map(|viscous| (viscous, 0));
-        out.add(law, &self.shape::<true>(x).deformation, &self.history, viscous, 1.0);
-        out
-    }
-
-    #[inline(always)]
-    fn deformation(&self, x: &[Lane3<L>; 4]) -> Deformation<L> {
+    fn deformation_at(&self, _point: usize, x: &[Lane3<L>; 4]) -> Deformation<L> {
         self.shape::<true>(x).deformation
-    }
-
-    fn stress<M>(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> [Lane<L>; 3]
-    where
-        M: MembraneLaw<History<L> = P>,
-    {
-        let mut out = [splat(0.0); 3];
-        add_stress(&mut out, law, viscous, (0, &self.deformation(x), &self.history), 1.0);
-        out
     }
 
     fn gradients(&self) -> [[Lane<L>; 2]; 4] {
@@ -287,24 +251,11 @@ impl<P: History<L>, const L: usize> Block<4, L> for OnePoint<L, P> {
         [first, second, opposite(first), opposite(second)]
     }
 
-    #[inline(always)]
-    fn volume(&self) -> Lane<L> {
-        self.volume
-    }
-
-    fn layers_left<M: MembraneLaw<History<L> = P>>(&self, law: &M, lane: usize) -> [f64; 2] {
-        super::layers_left(law, &self.history, lane)
-    }
-
-    fn delete(&mut self, lane: usize) {
-        self.volume[lane] = 0.0;
-    }
-
-    fn history(&self) -> impl Iterator<Item = (&P, &Lane<L>)> {
+    fn history(&self) -> impl Iterator<Item = (&M::History<L>, &Lane<L>)> {
         std::iter::once((&self.history, &self.volume))
     }
 
-    fn history_mut(&mut self) -> impl Iterator<Item = (&mut P, &mut Lane<L>)> {
+    fn history_mut(&mut self) -> impl Iterator<Item = (&mut M::History<L>, &mut Lane<L>)> {
         std::iter::once((&mut self.history, &mut self.volume))
     }
 }

@@ -1,10 +1,14 @@
-//! Tears of elements: their variables, beside the blocks (theory.md, section 25).
+//! Tears of elements: their variables, beside the blocks, and the pass that compares elements with the limit of their rupture
+//! and softens what tears (theory.md, section 25).
 
 use serde::{Deserialize, Serialize};
 
-use super::energy::ElementEnergy;
-use crate::lane::{Lane, splat};
-use crate::material::{Rupture, Tear};
+use super::block::Block;
+use super::elements::Elements;
+use super::kernel::ElementEnergy;
+use super::mean_state::{gradients_of, largest, width_across};
+use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, larger, splat};
+use crate::material::{Criterion, MembraneLaw, Rupture, Tear};
 
 /// Rupture of elements and its variables, block by block.
 #[derive(Clone, Debug)]
@@ -15,7 +19,7 @@ pub(crate) struct Tearing<const L: usize> {
     /// Which elements share a node with one that is open or deleted.
     beside_open: Vec<[bool; L]>,
     /// Losses of the last pass.
-    pub(super) lost: Lost,
+    lost: Lost,
     /// Volume of stress-free film of each element, also of deleted ones, m³.
     volumes: Vec<Lane<L>>,
 }
@@ -66,7 +70,7 @@ pub struct Torn {
 
 impl Lost {
     /// Notes that a tear started in film of this fracture energy (J/m²).
-    pub(super) fn note_start(&mut self, tear: &Tear, fracture_energy: f64) {
+    fn note_start(&mut self, tear: &Tear, fracture_energy: f64) {
         let Tear { start, width, .. } = *tear;
         // Above one the element stores more than its tear takes: the surplus is lost at once and depends on the mesh, which
         // is reported.
@@ -101,37 +105,37 @@ impl<const L: usize> Tearing<L> {
     }
 
     /// Tear of the element at a block and lane.
-    pub(crate) fn element_tear(&self, block: usize, lane: usize) -> Tear {
+    pub(crate) fn element_tear(&self, [block, lane]: [usize; 2]) -> Tear {
         Tear::of_variables(self.variables[block].each_ref().map(|variable| variable[lane]))
     }
 
     /// Stores the tear of the element at a block and lane.
-    pub(super) fn set(&mut self, block: usize, lane: usize, tear: &Tear) {
+    fn set(&mut self, [block, lane]: [usize; 2], tear: &Tear) {
         for (variable, value) in self.variables[block].iter_mut().zip(tear.variables()) {
             variable[lane] = value;
         }
     }
 
     /// Tear of the element at a block and lane, and the volume of its stress-free film, also of one that is deleted, m³.
-    pub(crate) fn of_element(&self, [block, lane]: [usize; 2]) -> (Tear, f64) {
-        (self.element_tear(block, lane), self.volumes[block][lane])
+    pub(crate) fn tear_and_volume(&self, [block, lane]: [usize; 2]) -> (Tear, f64) {
+        (self.element_tear([block, lane]), self.volumes[block][lane])
     }
 
     /// Starts the tear of the element at a block and lane, `width` (m) across it and `offset` (m) from the line of the tear.
     pub(crate) fn start(&mut self, [block, lane]: [usize; 2], width: f64, offset: f64) {
-        let mut tear = self.element_tear(block, lane);
+        let mut tear = self.element_tear([block, lane]);
         tear.start(width);
         tear.offset = offset;
         self.lost.note_start(&tear, self.rupture.fracture_energy);
         tear.soften(self.rupture.fracture_energy);
-        self.set(block, lane, &tear);
+        self.set([block, lane], &tear);
     }
 
     /// Lets the element at a block and lane tear on from what it stores now.
     pub(crate) fn go_on(&mut self, [block, lane]: [usize; 2]) {
-        let mut tear = self.element_tear(block, lane);
+        let mut tear = self.element_tear([block, lane]);
         tear.go_on(self.rupture.fracture_energy);
-        self.set(block, lane, &tear);
+        self.set([block, lane], &tear);
     }
 
     /// Share of the film's forces that the elements of a block have at their next position.
@@ -149,12 +153,7 @@ impl<const L: usize> Tearing<L> {
     }
 
     /// Variables of one block.
-    pub(crate) fn of_block(&self, block: usize) -> &[Lane<L>] {
-        &self.variables[block]
-    }
-
-    /// Variables of one block, mutable.
-    pub(crate) fn of_block_mut(&mut self, block: usize) -> &mut [Lane<L>] {
+    pub(crate) fn of_block(&mut self, block: usize) -> &mut [Lane<L>] {
         &mut self.variables[block]
     }
 
@@ -164,13 +163,8 @@ impl<const L: usize> Tearing<L> {
     }
 
     /// Whether so much of the element at a block and lane is torn that the elements around it are at the tip.
-    pub(crate) fn is_open(&self, block: usize, lane: usize) -> bool {
-        self.element_tear(block, lane).is_open(self.rupture.fracture_energy)
-    }
-
-    /// Whether the element at a block and lane shares a node with one that is open or deleted.
-    pub(super) fn is_beside_open(&self, block: usize, lane: usize) -> bool {
-        self.beside_open[block][lane]
+    pub(crate) fn is_open(&self, [block, lane]: [usize; 2]) -> bool {
+        self.element_tear([block, lane]).is_open(self.rupture.fracture_energy)
     }
 
     /// Notes whether an element shares a node with one that is open or deleted.
@@ -180,7 +174,7 @@ impl<const L: usize> Tearing<L> {
 
     /// Whether no element of a block tears, is beside an open one, or reaches the limit with its one of `values`.
     #[inline(always)]
-    pub(super) fn stays_whole(&self, block: usize, values: &Lane<L>) -> bool {
+    fn stays_whole(&self, block: usize, values: &Lane<L>) -> bool {
         let [share, next, _, _, width, ..] = &self.variables[block];
         let mut is_whole = true;
         for l in 0..L {
@@ -198,11 +192,122 @@ impl<const L: usize> Tearing<L> {
 
     /// The tear of the element at a block and lane, in film of this thickness (m, all layers).
     pub(crate) fn torn(&self, [block, lane]: [usize; 2], thickness: f64) -> Torn {
-        let (tear, volume) = (self.element_tear(block, lane), self.volumes[block][lane]);
+        let (tear, volume) = (self.element_tear([block, lane]), self.volumes[block][lane]);
         if !tear.has_started() {
             return Torn::default();
         }
         let area = tear.open(self.rupture.fracture_energy) * volume / tear.width;
         Torn { length: area / thickness, area, energy: tear.spent * volume }
+    }
+}
+
+at_width! {
+    up to AVX2
+    /// Advances the tears of elements that moved to `position` in `dt` (s), after their forces. Whether energy was
+    /// lost.
+    pub(super) fn tear[M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize](
+        elements: &mut Elements<M, B, NODES>, position: &[&[f64]; 3], dt: f64,
+    ) -> bool {
+        // Taken out, since tears are written while blocks and their viscous points are read.
+        let Some(mut tearing) = elements.common.tearing.take() else { return false };
+        let mut changed = false;
+        let fracture_energy = tearing.rupture.fracture_energy;
+        for b in 0..elements.blocks.len() {
+            let (block, volume) = (&elements.blocks[b], elements.blocks[b].volume());
+            let x = elements.gather(b, position);
+            let metric = block.deformation(&x).metric();
+            let values = elements.rupture_values(&tearing.rupture, b, &metric, &x);
+            // Most blocks are far from a tear, and energies cost more than forces.
+            if values.is_some_and(|values| tearing.stays_whole(b, &values)) {
+                continue;
+            }
+            let strains = strains(&metric);
+            let energies = elements.warm_energies(Width::best(), b, &x);
+            for l in (0..LANES).filter(|l| volume[*l] > 0.0) {
+                let mut tear = tearing.element_tear([b, l]);
+                let had_started = tear.has_started();
+                let was_open = tear.is_open(fracture_energy);
+                let lost = tear.advance(energies.densities(&volume, l));
+                tearing.lost.energy.stored += volume[l] * lost.stored;
+                tearing.lost.energy.absorbed += volume[l] * lost.absorbed;
+                if dt > 0.0 && !tear.has_started() {
+                    let value = values.map_or(tear.stored + tear.absorbed, |values| values[l]);
+                    let reaches = value >= tearing.rupture.limit;
+                    // Film beside a tear may be compressed, which does not open it.
+                    let may_grow = tearing.beside_open[b][l] && fracture_energy > 0.0 && strains[l] > 0.0;
+                    if reaches || may_grow {
+                        // Kept from now on: across the largest stretch at this moment, whatever the element does later.
+                        let width = width_across(&gradients_of::<M, B, NODES>(block, l), metric.map(|c| c[l]));
+                        // Film that stores more than its tear takes tears whatever the film around it does.
+                        if reaches || tear.stored * width >= fracture_energy {
+                            tear.start(width);
+                            tearing.lost.note_start(&tear, fracture_energy);
+                        }
+                    }
+                }
+                tear.soften(fracture_energy);
+                tearing.lost.opened |= !was_open && tear.is_open(fracture_energy);
+                // Also while a share falls: stiffness and time step change with it.
+                changed |= tear.has_started() != had_started || tear.share == 0.0 || tear.share != tear.next;
+                changed |= lost.stored != 0.0 || lost.absorbed != 0.0;
+                tearing.set([b, l], &tear);
+            }
+        }
+        elements.common.tearing = Some(tearing);
+        changed
+    }
+}
+
+impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, B, NODES> {
+    /// The quantity that the criterion compares with its limit, in each element of a block whose nodes are at `x`; none where
+    /// it is an energy.
+    #[inline(always)]
+    fn rupture_values(&self, rupture: &Rupture, block: usize, metric: &[Lane; 3], x: &[Lane3; NODES]) -> Option<Lane> {
+        let [c11, c22, c12] = metric;
+        Some(match rupture.criterion {
+            Criterion::Strain => strains(metric),
+            Criterion::FibreStrain => lanes(|l| larger(c11[l], c22[l]).sqrt() - 1.0),
+            Criterion::Break => lanes(|l| self.blocks[block].break_ratio(&self.law, l)),
+            Criterion::Stress => {
+                // Without what tears took.
+                let share = self.common.heating.as_ref().map_or(splat(1.0), |heating| *heating.share(block));
+                let [s11, s22, s12] = self.blocks[block].stress(&self.law, self.viscous_block(block), x);
+                lanes(|l| {
+                    let s = [s11[l] * share[l], s22[l] * share[l], s12[l] * share[l]];
+                    largest(squared_stress(s, [c11[l], c22[l], c12[l]])).sqrt()
+                })
+            }
+            Criterion::Energy => return None,
+        })
+    }
+}
+
+/// Largest principal nominal strain in each element of a block.
+#[inline(always)]
+fn strains<const L: usize>(metric: &[Lane<L>; 3]) -> Lane<L> {
+    let [c11, c22, c12] = metric;
+    lanes(|l| largest([c11[l], c22[l], c12[l]]).sqrt() - 1.0)
+}
+
+/// S C S: its eigenvalues are the squares of the principal nominal stresses.
+#[inline(always)]
+fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
+    let (a11, a12) = (s11 * c11 + s12 * c12, s11 * c12 + s12 * c22);
+    let (a21, a22) = (s12 * c11 + s22 * c12, s12 * c12 + s22 * c22);
+    [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_stress_of_a_stretch() {
+        // S of a stretch λ along MD, with the engineering stress λ S.
+        let (lambda, s) = (1.5, 3e6);
+        assert!(
+            (largest(squared_stress([s, 0.0, 0.0], [lambda * lambda, 1.0, 0.0])).sqrt() / (lambda * s) - 1.0).abs()
+                < 1e-12
+        );
     }
 }

@@ -58,11 +58,6 @@ impl<const L: usize> ViscousPoints<L> {
         ViscousBlock { law: &self.law, variables: &self.variables[block * self.per_block..][..self.per_block] }
     }
 
-    /// History variables of one block.
-    pub(crate) fn of_block(&self, block: usize) -> &[Stored<L>] {
-        self.block(block).variables
-    }
-
     /// The law and the variables of one block, mutable; all points of the block follow each other.
     pub(crate) fn block_mut(&mut self, block: usize) -> (&ViscousLaw, &mut [Stored<L>]) {
         // Its variables may be restored ones.

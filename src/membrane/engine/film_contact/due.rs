@@ -63,35 +63,33 @@ impl Noted {
 }
 
 at_width! {
+    up to AVX2
     /// Replaces `to` by the places of those that are due once film has covered `path` (m), counted from `first`.
-    pub(super) fn list[](due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) = list_lanewise, up to AVX2
-}
-
-#[inline(always)]
-fn list_lanewise(due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) {
-    to.clear();
-    for (block, due) in due.chunks(BLOCK).enumerate() {
-        let mut soonest: Lane = splat(f64::INFINITY);
-        let groups = due.chunks_exact(LANES);
-        for last in groups.remainder() {
-            soonest[0] = smaller(*last, soonest[0]);
-        }
-        for group in groups {
-            for l in 0..LANES {
-                soonest[l] = smaller(group[l], soonest[l]);
+    pub(super) fn list[](due: &[f64], path: f64, first: usize, to: &mut Vec<u32>) {
+        to.clear();
+        for (block, due) in due.chunks(BLOCK).enumerate() {
+            let mut soonest: Lane = splat(f64::INFINITY);
+            let groups = due.chunks_exact(LANES);
+            for last in groups.remainder() {
+                soonest[0] = smaller(*last, soonest[0]);
             }
+            for group in groups {
+                for l in 0..LANES {
+                    soonest[l] = smaller(group[l], soonest[l]);
+                }
+            }
+            // Most blocks are far from any other face.
+            if soonest.iter().all(|soonest| *soonest > path) {
+                continue;
+            }
+            // Without a branch on each: which of a block are due follows no pattern.
+            let (mut places, mut count) = ([0; BLOCK], 0);
+            for (place, due) in due.iter().enumerate() {
+                places[count] = (first + block * BLOCK + place) as u32;
+                count += usize::from(*due <= path);
+            }
+            to.extend_from_slice(&places[..count]);
         }
-        // Most blocks are far from any other face.
-        if soonest.iter().all(|soonest| *soonest > path) {
-            continue;
-        }
-        // Without a branch on each: which of a block are due follows no pattern.
-        let (mut places, mut count) = ([0; BLOCK], 0);
-        for (place, due) in due.iter().enumerate() {
-            places[count] = (first + block * BLOCK + place) as u32;
-            count += usize::from(*due <= path);
-        }
-        to.extend_from_slice(&places[..count]);
     }
 }
 
@@ -121,25 +119,23 @@ impl FilmContact {
 }
 
 at_width! {
+    up to AVX2
     /// Largest distance between the positions of a node, m.
-    fn largest_motion[](before: &Vectors, after: &Vectors) -> f64 = largest_motion_lanewise, up to AVX2
-}
-
-#[inline(always)]
-fn largest_motion_lanewise(before: &Vectors, after: &Vectors) -> f64 {
-    let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
-    let mut largest: Lane = splat(0.0);
-    let squared = |n: usize| {
-        let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
-        a * a + b * b + c * c
-    };
-    let whole = x.len() - x.len() % LANES;
-    for first in (0..whole).step_by(LANES) {
-        for l in 0..LANES {
-            largest[l] = larger(squared(first + l), largest[l]);
+    fn largest_motion[](before: &Vectors, after: &Vectors) -> f64 {
+        let ([x, y, z], [u, v, w]) = (before.axes(), after.axes());
+        let mut largest: Lane = splat(0.0);
+        let squared = |n: usize| {
+            let [a, b, c] = [u[n] - x[n], v[n] - y[n], w[n] - z[n]];
+            a * a + b * b + c * c
+        };
+        let whole = x.len() - x.len() % LANES;
+        for first in (0..whole).step_by(LANES) {
+            for l in 0..LANES {
+                largest[l] = larger(squared(first + l), largest[l]);
+            }
         }
+        (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
     }
-    (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
 }
 
 #[cfg(test)]

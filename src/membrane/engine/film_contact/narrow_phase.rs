@@ -361,92 +361,83 @@ struct FoundNodes {
 }
 
 at_width! {
-    /// Adds those of `nodes` that are closer to the plane of their triangle than allowed, or by less than the first of
-    /// the `margins` (m) farther, those that are not over it any more, and those that have left its corner, to `found`;
-    /// to `spared` the path that film may cover until each is looked at again.
+    /// Adds those of the `listed` nodes that are closer to the plane of their triangle than allowed, or by less than the
+    /// first of the `margins` (m) farther, those that are not over it any more, and those that have left its corner, to
+    /// `found`; to `spared` the path that film may cover until each is looked at again.
     fn close_nodes[](
         tracking: &Tracking,
         position: &Vectors,
-        nodes: &[u32],
+        listed: &[u32],
         margins: [f64; 2],
         spared: &mut Vec<f64>,
         found: &mut FoundNodes,
-    ) = close_nodes_lanewise
-}
-
-// One function: its parts would each gather the lanes again, or be calls.
-#[inline(always)]
-fn close_nodes_lanewise(
-    tracking: &Tracking,
-    position: &Vectors,
-    listed: &[u32],
-    [margin, widest]: [f64; 2],
-    spared: &mut Vec<f64>,
-    found: &mut FoundNodes,
-) {
-    let [first, second, third] = &tracking.corners;
-    for start in (0..listed.len()).step_by(LANES) {
-        let count = LANES.min(listed.len() - start);
-        let (mut nodes, mut corners) = ([0_u32; LANES], [[0_u32; LANES]; 3]);
-        let [mut sign, mut bound, mut limit, mut on_corner]: [Lane; 4] = [splat(0.0); 4];
-        for l in 0..LANES {
-            // The last group repeats its last node; only the first `count` lanes are read again below.
-            nodes[l] = listed[start + l.min(count - 1)];
-            let n = nodes[l] as usize;
-            (corners[0][l], corners[1][l], corners[2][l]) = (first[n], second[n], third[n]);
-            (sign[l], on_corner[l], bound[l]) = (tracking.sign[n], tracking.on_corner[n], tracking.bound[n]);
-            limit[l] = tracking.limit(n, margin);
-        }
-        let p = position.gather(&nodes);
-        let a = position.gather(&corners[0]);
-        let (b, c) = (position.gather(&corners[1]), position.gather(&corners[2]));
-        let (u, v, r) = (minus(&b, &a), minus(&c, &a), minus(&p, &a));
-        let area = cross(&u, &v);
-        let (height, squared, from_corner) = (dot(&area, &r), dot(&area, &area), dot(&r, &r));
-        // Weights of the corners times the square.
-        let (of_b, of_c) = (dot(&cross(&r, &v), &area), dot(&cross(&u, &r), &area));
-        let (mut is_over, mut is_close, mut is_off) = ([0_u8; LANES], [0_u8; LANES], [0_u8; LANES]);
-        let [mut distance, mut length, mut left]: [Lane; 3] = [splat(0.0); 3];
-        for l in 0..LANES {
-            let beside = -BESIDE * squared[l];
-            length[l] = squared[l].sqrt();
-            distance[l] = sign[l] * (height[l] / length[l]);
-            // Comparisons as numbers joined by `&`, for `&&` is a branch.
-            let inside = u8::from(of_b[l] >= beside)
-                & u8::from(of_c[l] >= beside)
-                & u8::from(squared[l] - of_b[l] - of_c[l] >= beside);
-            is_over[l] = inside & u8::from(sign[l] != 0.0);
-            is_close[l] = is_over[l] & u8::from(distance[l] < limit[l]);
-            left[l] = if is_over[l] != 0 { due::spared(distance[l] - bound[l] - widest) } else { 0.0 };
-            // Pythagoras: the square of the distance along the triangle, without the foot itself.
-            is_off[l] = is_over[l] & u8::from(from_corner[l] - distance[l] * distance[l] > on_corner[l]);
-        }
-        spared.extend_from_slice(&left[..count]);
-        let mut any = 0;
-        for l in 0..LANES {
-            any |= is_off[l] | is_close[l] | (1 - is_over[l]);
-        }
-        // In most groups no lane has anything to report, and what follows is scalar.
-        if any == 0 {
-            continue;
-        }
-        for l in 0..count {
-            if is_over[l] == 0 {
-                found.beside.push(start + l);
+    ) {
+        // One function: its parts would each gather the lanes again, or be calls.
+        let [margin, widest] = margins;
+        let [first, second, third] = &tracking.corners;
+        for start in (0..listed.len()).step_by(LANES) {
+            let count = LANES.min(listed.len() - start);
+            let (mut nodes, mut corners) = ([0_u32; LANES], [[0_u32; LANES]; 3]);
+            let [mut sign, mut bound, mut limit, mut on_corner]: [Lane; 4] = [splat(0.0); 4];
+            for l in 0..LANES {
+                // The last group repeats its last node; only the first `count` lanes are read again below.
+                nodes[l] = listed[start + l.min(count - 1)];
+                let n = nodes[l] as usize;
+                (corners[0][l], corners[1][l], corners[2][l]) = (first[n], second[n], third[n]);
+                (sign[l], on_corner[l], bound[l]) = (tracking.sign[n], tracking.on_corner[n], tracking.bound[n]);
+                limit[l] = tracking.limit(n, margin);
             }
-            if is_off[l] != 0 {
-                found.off_corner.push(nodes[l]);
+            let p = position.gather(&nodes);
+            let a = position.gather(&corners[0]);
+            let (b, c) = (position.gather(&corners[1]), position.gather(&corners[2]));
+            let (u, v, r) = (minus(&b, &a), minus(&c, &a), minus(&p, &a));
+            let area = cross(&u, &v);
+            let (height, squared, from_corner) = (dot(&area, &r), dot(&area, &area), dot(&r, &r));
+            // Weights of the corners times the square.
+            let (of_b, of_c) = (dot(&cross(&r, &v), &area), dot(&cross(&u, &r), &area));
+            let (mut is_over, mut is_close, mut is_off) = ([0_u8; LANES], [0_u8; LANES], [0_u8; LANES]);
+            let [mut distance, mut length, mut left]: [Lane; 3] = [splat(0.0); 3];
+            for l in 0..LANES {
+                let beside = -BESIDE * squared[l];
+                length[l] = squared[l].sqrt();
+                distance[l] = sign[l] * (height[l] / length[l]);
+                // Comparisons as numbers joined by `&`, for `&&` is a branch.
+                let inside = u8::from(of_b[l] >= beside)
+                    & u8::from(of_c[l] >= beside)
+                    & u8::from(squared[l] - of_b[l] - of_c[l] >= beside);
+                is_over[l] = inside & u8::from(sign[l] != 0.0);
+                is_close[l] = is_over[l] & u8::from(distance[l] < limit[l]);
+                left[l] = if is_over[l] != 0 { due::spared(distance[l] - bound[l] - widest) } else { 0.0 };
+                // Pythagoras: the square of the distance along the triangle, without the foot itself.
+                is_off[l] = is_over[l] & u8::from(from_corner[l] - distance[l] * distance[l] > on_corner[l]);
             }
-            if is_close[l] != 0 {
-                let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
-                let scale = sign[l] / length[l];
-                let normal = [area[0][l] * scale, area[1][l] * scale, area[2][l] * scale];
-                found.close.push(CloseNode {
-                    entry: start + l,
-                    weights: [1.0 - b - c, b, c],
-                    normal,
-                    distance: distance[l],
-                });
+            spared.extend_from_slice(&left[..count]);
+            let mut any = 0;
+            for l in 0..LANES {
+                any |= is_off[l] | is_close[l] | (1 - is_over[l]);
+            }
+            // In most groups no lane has anything to report, and what follows is scalar.
+            if any == 0 {
+                continue;
+            }
+            for l in 0..count {
+                if is_over[l] == 0 {
+                    found.beside.push(start + l);
+                }
+                if is_off[l] != 0 {
+                    found.off_corner.push(nodes[l]);
+                }
+                if is_close[l] != 0 {
+                    let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
+                    let scale = sign[l] / length[l];
+                    let normal = [area[0][l] * scale, area[1][l] * scale, area[2][l] * scale];
+                    found.close.push(CloseNode {
+                        entry: start + l,
+                        weights: [1.0 - b - c, b, c],
+                        normal,
+                        distance: distance[l],
+                    });
+                }
             }
         }
     }
@@ -484,78 +475,69 @@ at_width! {
         margins: [f64; 2],
         spared: &mut Vec<f64>,
         found: &mut FoundCrossings,
-    ) = close_crossings_lanewise
-}
-
-// One function, as that of nodes.
-#[inline(always)]
-fn close_crossings_lanewise(
-    crossings: &Crossings,
-    position: &Vectors,
-    places: &[u32],
-    [margin, widest]: [f64; 2],
-    spared: &mut Vec<f64>,
-    found: &mut FoundCrossings,
-) {
-    let [first, second, third, fourth] = &crossings.nodes;
-    for start in (0..places.len()).step_by(LANES) {
-        let count = LANES.min(places.len() - start);
-        let mut nodes = [[0_u32; LANES]; 4];
-        let [mut sign, mut bound, mut limit]: [Lane; 3] = [splat(0.0); 3];
-        for l in 0..LANES {
-            let n = places[start + l.min(count - 1)] as usize;
-            (nodes[0][l], nodes[1][l], nodes[2][l], nodes[3][l]) = (first[n], second[n], third[n], fourth[n]);
-            (sign[l], bound[l], limit[l]) = (crossings.sign[n], crossings.bound[n], crossings.limit(n, margin));
-        }
-        let (a, b) = (position.gather(&nodes[0]), position.gather(&nodes[1]));
-        let (c, d) = (position.gather(&nodes[2]), position.gather(&nodes[3]));
-        let (e, f, w) = (minus(&b, &a), minus(&d, &c), minus(&a, &c));
-        let across = cross(&e, &f);
-        let squared = dot(&across, &across);
-        let (of_e, of_f, of_w) = (dot(&e, &e), dot(&f, &f), dot(&w, &w));
-        let (height, s, t) = (dot(&across, &w), dot(&cross(&f, &w), &across), dot(&cross(&e, &w), &across));
-        let (mut is_close, mut has_turned) = ([0_u8; LANES], [0_u8; LANES]);
-        let along = dot(&e, &w);
-        let [mut distance, mut factor, mut left]: [Lane; 3] = [splat(0.0); 3];
-        for l in 0..LANES {
-            // Infinite or NaN for parallel edges; `is_across` is zero there, and nothing of it is read.
-            factor[l] = sign[l] / squared[l].sqrt();
-            distance[l] = factor[l] * height[l];
-            let is_across = u8::from(squared[l] > PARALLEL * of_e[l] * of_f[l]);
-            let is_inside = u8::from(s[l] >= 0.0)
-                & u8::from(s[l] <= squared[l])
-                & u8::from(t[l] >= 0.0)
-                & u8::from(t[l] <= squared[l]);
-            // The sign was decided when the edges were listed; an edge that became or ceased to be parallel needs a new
-            // one.
-            has_turned[l] = is_across ^ u8::from(sign[l] != 0.0);
-            is_close[l] = is_across & is_inside & u8::from(distance[l] < limit[l]) & (1 - has_turned[l]);
-            // Two parallel lines are nowhere nearer than one end of an edge to the line of the other, but for the angle
-            // between them.
-            let beside = of_w[l] - along[l] * along[l] / of_e[l];
-            let turn = PARALLEL.sqrt() * (of_e[l].sqrt() + of_f[l].sqrt());
-            let apart = if is_across != 0 { distance[l] } else { larger(beside, 0.0).sqrt() - turn };
-            left[l] = due::spared(apart - bound[l] - widest) * f64::from(1 - has_turned[l]);
-        }
-        spared.extend_from_slice(&left[..count]);
-        let mut any = 0;
-        for l in 0..LANES {
-            any |= is_close[l] | has_turned[l];
-        }
-        if any == 0 {
-            continue;
-        }
-        for l in 0..count {
-            if has_turned[l] != 0 {
-                found.turned.push(places[start + l] as usize);
+    ) {
+        // One function, as that of nodes.
+        let [margin, widest] = margins;
+        let [first, second, third, fourth] = &crossings.nodes;
+        for start in (0..places.len()).step_by(LANES) {
+            let count = LANES.min(places.len() - start);
+            let mut nodes = [[0_u32; LANES]; 4];
+            let [mut sign, mut bound, mut limit]: [Lane; 3] = [splat(0.0); 3];
+            for l in 0..LANES {
+                let n = places[start + l.min(count - 1)] as usize;
+                (nodes[0][l], nodes[1][l], nodes[2][l], nodes[3][l]) = (first[n], second[n], third[n], fourth[n]);
+                (sign[l], bound[l], limit[l]) = (crossings.sign[n], crossings.bound[n], crossings.limit(n, margin));
             }
-            if is_close[l] != 0 {
-                found.close.push(CloseCrossing {
-                    entry: start + l,
-                    shares: [s[l] / squared[l], t[l] / squared[l]],
-                    normal: [across[0][l] * factor[l], across[1][l] * factor[l], across[2][l] * factor[l]],
-                    distance: distance[l],
-                });
+            let (a, b) = (position.gather(&nodes[0]), position.gather(&nodes[1]));
+            let (c, d) = (position.gather(&nodes[2]), position.gather(&nodes[3]));
+            let (e, f, w) = (minus(&b, &a), minus(&d, &c), minus(&a, &c));
+            let across = cross(&e, &f);
+            let squared = dot(&across, &across);
+            let (of_e, of_f, of_w) = (dot(&e, &e), dot(&f, &f), dot(&w, &w));
+            let (height, s, t) = (dot(&across, &w), dot(&cross(&f, &w), &across), dot(&cross(&e, &w), &across));
+            let (mut is_close, mut has_turned) = ([0_u8; LANES], [0_u8; LANES]);
+            let along = dot(&e, &w);
+            let [mut distance, mut factor, mut left]: [Lane; 3] = [splat(0.0); 3];
+            for l in 0..LANES {
+                // Infinite or NaN for parallel edges; `is_across` is zero there, and nothing of it is read.
+                factor[l] = sign[l] / squared[l].sqrt();
+                distance[l] = factor[l] * height[l];
+                let is_across = u8::from(squared[l] > PARALLEL * of_e[l] * of_f[l]);
+                let is_inside = u8::from(s[l] >= 0.0)
+                    & u8::from(s[l] <= squared[l])
+                    & u8::from(t[l] >= 0.0)
+                    & u8::from(t[l] <= squared[l]);
+                // The sign was decided when the edges were listed; an edge that became or ceased to be parallel needs a new
+                // one.
+                has_turned[l] = is_across ^ u8::from(sign[l] != 0.0);
+                is_close[l] = is_across & is_inside & u8::from(distance[l] < limit[l]) & (1 - has_turned[l]);
+                // Two parallel lines are nowhere nearer than one end of an edge to the line of the other, but for the angle
+                // between them.
+                let beside = of_w[l] - along[l] * along[l] / of_e[l];
+                let turn = PARALLEL.sqrt() * (of_e[l].sqrt() + of_f[l].sqrt());
+                let apart = if is_across != 0 { distance[l] } else { larger(beside, 0.0).sqrt() - turn };
+                left[l] = due::spared(apart - bound[l] - widest) * f64::from(1 - has_turned[l]);
+            }
+            spared.extend_from_slice(&left[..count]);
+            let mut any = 0;
+            for l in 0..LANES {
+                any |= is_close[l] | has_turned[l];
+            }
+            if any == 0 {
+                continue;
+            }
+            for l in 0..count {
+                if has_turned[l] != 0 {
+                    found.turned.push(places[start + l] as usize);
+                }
+                if is_close[l] != 0 {
+                    found.close.push(CloseCrossing {
+                        entry: start + l,
+                        shares: [s[l] / squared[l], t[l] / squared[l]],
+                        normal: [across[0][l] * factor[l], across[1][l] * factor[l], across[2][l] * factor[l]],
+                        distance: distance[l],
+                    });
+                }
             }
         }
     }

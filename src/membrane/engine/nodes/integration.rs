@@ -180,32 +180,29 @@ impl Integration<'_> {
 }
 
 at_width! {
-    fn advance[](kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums = advance_lanewise
-}
-
-#[inline(always)]
-fn advance_lanewise(kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums {
-    let mut damped = 0.0;
-    for axis in axes.iter_mut() {
-        // Two loops are compiled: without damping, nothing of it is computed, and velocities keep their bits.
-        if kick.decay == 1.0 {
-            move_axis::<false>(kick, dt, inverse_mass, axis);
-        } else {
-            damped += move_axis::<true>(kick, dt, inverse_mass, axis);
+    fn advance[](kick: Kick, dt: f64, inverse_mass: &[f64], axes: &mut [Axis<'_>; 3]) -> StepSums {
+        let mut damped = 0.0;
+        for axis in axes.iter_mut() {
+            // Two loops are compiled: without damping, nothing of it is computed, and velocities keep their bits.
+            if kick.decay == 1.0 {
+                move_axis::<false>(kick, dt, inverse_mass, axis);
+            } else {
+                damped += move_axis::<true>(kick, dt, inverse_mass, axis);
+            }
         }
-    }
-    let [x, y, z] = &*axes;
-    let count = inverse_mass.len();
-    let (x, y, z) = (&x.velocity[..count], &y.velocity[..count], &z.velocity[..count]);
-    let mut squared = splat::<LANES>(0.0);
-    for start in (0..count).step_by(LANES) {
-        let some = start..count.min(start + LANES);
-        let (x, y, z) = (&x[some.clone()], &y[some.clone()], &z[some]);
-        for l in 0..x.len() {
-            squared[l] = larger(x[l] * x[l] + y[l] * y[l] + z[l] * z[l], squared[l]);
+        let [x, y, z] = &*axes;
+        let count = inverse_mass.len();
+        let (x, y, z) = (&x.velocity[..count], &y.velocity[..count], &z.velocity[..count]);
+        let mut squared = splat::<LANES>(0.0);
+        for start in (0..count).step_by(LANES) {
+            let some = start..count.min(start + LANES);
+            let (x, y, z) = (&x[some.clone()], &y[some.clone()], &z[some]);
+            for l in 0..x.len() {
+                squared[l] = larger(x[l] * x[l] + y[l] * y[l] + z[l] * z[l], squared[l]);
+            }
         }
+        StepSums { largest_speed_squared: squared.into_iter().fold(0.0, larger), damped }
     }
-    StepSums { largest_speed_squared: squared.into_iter().fold(0.0, larger), damped }
 }
 
 /// Kick and drift of one axis; with damping, returns Σ m v̄² with the mean v̄ of the velocities before and after.

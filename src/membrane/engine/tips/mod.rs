@@ -2,8 +2,7 @@
 
 mod domain;
 
-use super::element::{MeanState, corners};
-use super::element_group::ElementGroup;
+use super::element::{ElementGroup, MeanState, corners, place};
 use super::failure::smaller;
 use crate::material::Tear;
 
@@ -85,7 +84,8 @@ impl TearingFilm<'_> {
 
     /// The tear of an element, and the volume of the element (m³).
     fn tear(&self, [c, e]: Element) -> (Tear, f64) {
-        self.groups[c as usize].tear(e as usize)
+        let tearing = self.groups[c as usize].common().tearing.as_ref().expect("film with a rupture criterion");
+        tearing.tear_and_volume(place(e as usize))
     }
 
     /// Material force (N) at which a tear goes on.
@@ -124,8 +124,8 @@ impl Tips {
         let mut nodes: Vec<Vec<Vec<u32>>> = vec![];
         let mut pairs: Vec<(u32, Element)> = vec![];
         for (c, group) in groups.iter().enumerate() {
-            let mut of_chunk = vec![];
-            group.for_each(0, false, &mut |corners| of_chunk.push(corners.to_vec()));
+            let of_element = |element| group.common().corners.of(element).to_vec();
+            let of_chunk: Vec<Vec<u32>> = group.elements(false).map(of_element).collect();
             for (e, corners) in of_chunk.iter().enumerate() {
                 pairs.extend(corners.iter().map(|node| (*node, [c as u32, e as u32])));
             }

@@ -53,11 +53,7 @@ impl<const L: usize> History<L> for PlasticHistory<L> {
         &mut self.left[fibre]
     }
 
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        self.strain.iter().chain([&self.equivalent, &self.overstress, &self.surplus]).chain(&self.left)
-    }
-
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
         let scalars = [&mut self.equivalent, &mut self.overstress, &mut self.surplus];
         self.strain.iter_mut().chain(scalars).chain(&mut self.left)
     }

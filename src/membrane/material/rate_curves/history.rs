@@ -24,11 +24,7 @@ impl<const L: usize> FibreHistory<L> for RateHistory<L> {
         &self.peak
     }
 
-    fn variables(&self) -> impl Iterator<Item = &Lane<L>> {
-        [&self.peak, &self.slowness, &self.surplus].into_iter()
-    }
-
-    fn variables_mut(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
         [&mut self.peak, &mut self.slowness, &mut self.surplus].into_iter()
     }
 }

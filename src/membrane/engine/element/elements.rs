@@ -1,0 +1,304 @@
+//! Elements of one kind and law, in blocks of lanes.
+
+use std::ops::Range;
+use std::slice::Iter;
+use std::sync::Arc;
+
+use super::block::Block;
+use super::heating::Heating;
+use super::tearing::{Lost, Tearing, Torn};
+use super::viscous::{ViscousBlock, ViscousPoints};
+use crate::engine::failure::Failures;
+use crate::engine::footprint::bytes;
+use crate::lane::{LANES, Lane, Width, lanes, splat};
+use crate::material::{HEAT_VARIABLES, History, MembraneLaw, Rupture, Tear, Thermal, ViscousLaw};
+
+/// Elements of one kind with the law `M`, in order.
+pub(crate) struct Elements<M, B, const NODES: usize, const L: usize = LANES> {
+    pub(super) law: Arc<M>,
+    /// Geometry and history of each block's elements; the last block is padded with copies of the last element without
+    /// volume.
+    pub(super) blocks: Vec<B>,
+    /// The Prony series of viscous film.
+    pub(super) viscous: Option<ViscousPoints<L>>,
+    pub(super) common: Common<L>,
+}
+
+impl<M, B: Clone, const NODES: usize, const L: usize> Clone for Elements<M, B, NODES, L> {
+    fn clone(&self) -> Self {
+        let Elements { law, blocks, viscous, common } = self;
+        let (blocks, viscous, common) = (blocks.clone(), viscous.clone(), common.clone());
+        Elements { law: Arc::clone(law), blocks, viscous, common }
+    }
+}
+
+/// What elements have whatever their law and kind.
+#[derive(Clone, Debug)]
+pub(crate) struct Common<const L: usize = LANES> {
+    /// Number of elements.
+    pub count: usize,
+    pub corners: Corners,
+    /// Mass of each block's elements over that of their film; empty where no mass was added.
+    pub(super) mass_factors: Vec<Lane<L>>,
+    /// Heat of film that warms up by what it absorbs.
+    pub heating: Option<Heating<L>>,
+    /// Tears of film with a rupture criterion of its own.
+    pub tearing: Option<Tearing<L>>,
+}
+
+/// Block and lane of an element.
+pub(crate) fn place(element: usize) -> [usize; 2] {
+    [element / LANES, element % LANES]
+}
+
+/// Nodes of elements, in blocks.
+#[derive(Clone, Debug)]
+pub(crate) struct Corners {
+    /// Of each element and of the copies that pad the last block; a triangle repeats its last.
+    of_element: Vec<[u32; 4]>,
+    /// Nodes of an element.
+    nodes: usize,
+    /// Whether the nodes of successive elements of a block are consecutive, as those of structured meshes are.
+    is_row: Vec<bool>,
+}
+
+impl Corners {
+    /// Those of elements in blocks of `lanes`.
+    fn new<const NODES: usize>(elements: &[[u32; NODES]], lanes: usize) -> Corners {
+        let padded = elements.iter().chain(elements.last().into_iter().cycle());
+        let filled = |nodes: &[u32; NODES]| std::array::from_fn(|a| nodes[a.min(NODES - 1)]);
+        let of_element: Vec<[u32; 4]> = padded.take(elements.len().next_multiple_of(lanes)).map(filled).collect();
+        let is_row = |block: &[[u32; 4]]| {
+            let mut numbered = block.iter().enumerate();
+            numbered.all(|(l, nodes)| nodes.iter().zip(block[0]).all(|(node, first)| *node == first + l as u32))
+        };
+        let is_row = of_element.chunks(lanes).map(is_row).collect();
+        Corners { of_element, nodes: NODES, is_row }
+    }
+
+    /// Nodes of an element.
+    pub(crate) fn of(&self, element: usize) -> &[u32] {
+        &self.of_element[element][..self.nodes]
+    }
+
+    /// Those of each block.
+    #[inline(always)]
+    pub(super) fn blocks<const L: usize>(&self) -> impl Iterator<Item = BlockCorners<'_, L>> {
+        let (nodes, _) = self.of_element.as_chunks();
+        nodes.iter().zip(&self.is_row).map(|(nodes, is_row)| BlockCorners { nodes, is_row: *is_row })
+    }
+
+    /// Those of one block.
+    pub(super) fn block<const L: usize>(&self, block: usize) -> BlockCorners<'_, L> {
+        BlockCorners { nodes: &self.of_element.as_chunks().0[block], is_row: self.is_row[block] }
+    }
+}
+
+/// Nodes of the elements of a block.
+#[derive(Clone, Copy)]
+pub(super) struct BlockCorners<'a, const L: usize> {
+    pub(super) nodes: &'a [[u32; 4]; L],
+    /// Whether those of successive elements are consecutive.
+    pub(super) is_row: bool,
+}
+
+impl<const L: usize> Common<L> {
+    /// Share of the law's forces that the elements of a block had at the last position: what heat and tears left.
+    #[inline(always)]
+    pub(super) fn share(&self, block: usize) -> Lane<L> {
+        let of_heat = self.heating.as_ref().map_or(splat(1.0), |heating| *heating.share(block));
+        let of_tears = self.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(block));
+        lanes(|l| of_heat[l] * of_tears[l])
+    }
+
+    /// Tears so far, in film of this thickness (m, all layers).
+    pub(crate) fn torn(&self, thickness: f64) -> Torn {
+        let mut total = Torn::default();
+        if let Some(tearing) = &self.tearing {
+            (0..self.count).for_each(|element| total.add(&tearing.torn([element / L, element % L], thickness)));
+        }
+        total
+    }
+
+    fn bytes(&self) -> usize {
+        let Common { count: _, corners, mass_factors, heating, tearing } = self;
+        bytes(&corners.of_element)
+            + bytes(&corners.is_row)
+            + bytes(mass_factors)
+            + heating.as_ref().map_or(0, Heating::bytes)
+            + tearing.as_ref().map_or(0, Tearing::bytes)
+    }
+}
+
+impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> Elements<M, B, NODES, L> {
+    /// Elements and their nodes, of a film `thickness` (m, all layers) thick.
+    pub(crate) fn new(law: Arc<M>, nodes: &[[u32; NODES]], elements: &[B::Element], thickness: f64) -> Self {
+        let count = nodes.len();
+        let corners = Corners::new(nodes, L);
+        let common = Common { count, corners, mass_factors: vec![], heating: None, tearing: None };
+        let block = |first: usize| {
+            // Padding repeats the last element without volume: all it computes is finite and multiplied by zero.
+            B::new(|l| (&elements[(first + l).min(count - 1)], if first + l < count { thickness } else { 0.0 }))
+        };
+        Elements { law, blocks: (0..count).step_by(L).map(block).collect(), viscous: None, common }
+    }
+
+    /// Their law.
+    pub(crate) fn law(&self) -> &M {
+        &self.law
+    }
+
+    /// These elements, of viscous film.
+    pub(crate) fn with_viscosity(self, law: ViscousLaw) -> Self {
+        let viscous = ViscousPoints::new(law, self.blocks.len(), B::POINTS);
+        Elements { viscous: Some(viscous), ..self }
+    }
+
+    /// These elements, of film that warms up by what it absorbs.
+    pub(crate) fn with_heating(mut self, thermal: Thermal) -> Self {
+        self.common.heating = Some(Heating::new(thermal, self.blocks.len()));
+        self
+    }
+
+    /// These elements with a rupture criterion of their own.
+    pub(crate) fn with_rupture(mut self, rupture: Rupture) -> Self {
+        self.common.tearing = Some(Tearing::new(rupture, self.blocks.iter().map(B::volume).collect()));
+        self
+    }
+
+    /// Viscous points of a block, where film is viscous.
+    #[inline(always)]
+    pub(super) fn viscous_block(&self, block: usize) -> Option<ViscousBlock<'_, L>> {
+        self.viscous.as_ref().map(|viscous| viscous.block(block))
+    }
+
+    /// Block and lane of each element, in order.
+    pub(super) fn indices(&self) -> impl Iterator<Item = [usize; 2]> + use<M, B, NODES, L> {
+        (0..self.common.count).map(|i| [i / L, i % L])
+    }
+
+    /// History variables of one element.
+    pub(super) fn variables(&self) -> usize {
+        let of_point = 1 + M::History::<L>::virgin().variables().count();
+        let of_heat = self.common.heating.as_ref().map_or(0, |_| HEAT_VARIABLES);
+        let of_tear = self.common.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
+        B::POINTS * of_point + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_heat + of_tear
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        bytes(&self.blocks) + self.viscous.as_ref().map_or(0, ViscousPoints::bytes) + self.common.bytes()
+    }
+
+    /// Share of the layers whose MD and TD fibres are not broken in the element at a block and lane; none where it is
+    /// deleted.
+    pub(super) fn left(&self, [block, lane]: [usize; 2]) -> [f64; 2] {
+        let mut points = self.blocks[block].history();
+        let alive = points.next().filter(|(_, volume)| volume[lane] > 0.0);
+        alive.map_or([0.0; 2], |(history, _)| [0, 1].map(|fibre| history.left(fibre)[lane]))
+    }
+
+    /// Whether the element at a block and lane is deleted.
+    pub(super) fn is_deleted(&self, [block, lane]: [usize; 2]) -> bool {
+        self.blocks[block].volume()[lane] == 0.0
+    }
+
+    /// Calls `visit` with each history variable of each element and its lane there, as a range with those of the copies of
+    /// the last element that pad its block: the volume at each point (m³; zero once the element is deleted) with the
+    /// variables of the law there, those of the Prony series at all points, of heat and of the tear.
+    fn for_each_variable(&mut self, mut visit: impl FnMut(&mut Lane<L>, Range<usize>)) {
+        let Common { count, heating, tearing, .. } = &mut self.common;
+        for element in 0..*count {
+            let [block, lane] = [element / L, element % L];
+            let lanes = lane..if element + 1 == *count { L } else { lane + 1 };
+            for (history, volume) in self.blocks[block].history_mut() {
+                visit(volume, lane..lane + 1);
+                history.variables().for_each(|variable| visit(variable, lanes.clone()));
+            }
+            let viscous = self.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
+            let heating = heating.iter_mut().flat_map(|heating| heating.of_block(block));
+            let tearing = tearing.iter_mut().flat_map(|tearing| tearing.of_block(block));
+            let beside = viscous.map(|stored| &mut stored.0).chain(heating).chain(tearing);
+            beside.for_each(|variable| visit(variable, lanes.clone()));
+        }
+    }
+
+    /// Appends the history variables.
+    pub(super) fn save(&self, to: &mut Vec<f64>) {
+        self.clone().for_each_variable(|variable, lanes| to.push(variable[lanes.start]));
+    }
+
+    /// Restores the history variables from the first of the `rest`.
+    pub(super) fn restore(&mut self, rest: &mut Iter<'_, f64>) {
+        self.for_each_variable(|variable, lanes| {
+            rest.next().into_iter().for_each(|saved| variable[lanes.clone()].fill(*saved))
+        });
+    }
+
+    /// Resets the history variables to those of virgin film; deleted elements stay deleted.
+    pub(super) fn reset(&mut self) {
+        for (history, _) in self.blocks.iter_mut().flat_map(B::history_mut) {
+            *history = M::History::virgin();
+        }
+        self.viscous.iter_mut().for_each(ViscousPoints::reset);
+        self.common.heating.iter_mut().for_each(Heating::reset);
+        self.common.tearing.iter_mut().for_each(Tearing::reset);
+    }
+}
+
+impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, B, NODES> {
+    /// Breaks the fibres of every layer that is strained past its break strain: the share of layers left is multiplied into
+    /// the stress of the fibre set. An element without MD and TD fibres is deleted: its volume and its forces become zero.
+    /// Mass stays at the nodes.
+    #[cfg_attr(not(test), inline)]
+    pub(super) fn break_fibres(&mut self, position: &[&[f64]; 3]) -> Failures {
+        let mut total = Failures::default();
+        for at in self.indices() {
+            let [block, lane] = at;
+            if self.is_deleted(at) {
+                continue;
+            }
+            let (before, left) = (self.left(at), self.blocks[block].layers_left(&self.law, lane));
+            if left == before {
+                continue;
+            }
+            let energy = |elements: &Self| elements.energy_of(Width::best(), block..block + 1, position, |of| of[lane]);
+            // Before and after, with the law itself: what the difference is not stored any more went into rupture.
+            let mut lost = energy(self);
+            if left == [0.0; 2] {
+                self.blocks[block].delete(lane);
+            } else {
+                for (history, _) in self.blocks[block].history_mut() {
+                    for fibre in 0..2 {
+                        history.left_mut(fibre)[lane] = left[fibre];
+                    }
+                }
+                if let Some(viscous) = &mut self.viscous {
+                    viscous.break_fibres(at, before, left);
+                }
+                self.restart_heat(at, position);
+                lost.subtract(&energy(self));
+            }
+            let failed = (0..2).any(|fibre| before[fibre] > 0.0 && left[fibre] == 0.0);
+            total.add(&Failures { broken: 1, failed: usize::from(failed), energy: lost, ..Failures::default() });
+        }
+        total
+    }
+
+    /// Deletes the elements whose tears have taken all of their forces.
+    pub(super) fn open_tears(&mut self) -> Failures {
+        let mut total = Failures::default();
+        for at in self.indices() {
+            let [block, lane] = at;
+            let share = self.common.tearing.as_ref().map_or(1.0, |tearing| tearing.share(block)[lane]);
+            if share == 0.0 && !self.is_deleted(at) {
+                self.blocks[block].delete(lane);
+                total.broken += 1;
+                total.failed += 1;
+            }
+        }
+        let Lost { energy, too_wide, opened } =
+            self.common.tearing.as_mut().map(Tearing::take_lost).unwrap_or_default();
+        Failures { energy, too_wide, opened, ..total }
+    }
+}
