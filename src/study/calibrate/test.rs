@@ -246,7 +246,8 @@ impl Reading<'_> {
                 return Err((self.in_test)(format!("its recording has no `{}`: {known}", column.short)));
             };
             let recorded = self.recorded(column, &series, comparison.window, class)?;
-            Ok(Recorded { contact: Matrix2::from_fn(|row, column| comparison.contact[row][column]), ..recorded })
+            let contact = Matrix2::from_fn(|row, column| comparison.contact[row][column]);
+            Ok(recorded.with_contact(contact, columns.len()))
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         Ok((study, comparison.window[1], signals))
@@ -280,7 +281,7 @@ impl Reading<'_> {
             let missing = || (self.in_test)(format!("a recording of signals has no `{}`", column.short));
             let series = series.ok_or_else(missing)?;
             let window = self.window(&series)?;
-            Ok(Recorded { contact, ..self.recorded(column, &series, window, None)? })
+            Ok(self.recorded(column, &series, window, None)?.with_contact(contact, columns.len()))
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
         let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);

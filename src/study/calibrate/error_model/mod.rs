@@ -165,6 +165,12 @@ impl Recorded {
         Ok(Recorded { series, class, contact: Matrix2::zeros() })
     }
 
+    /// One of so many signals of a recording, which have the error of one contact. As errors that are independent of each other
+    /// they cover it where each is √n times as large, since (Σ xᵢ)² ≤ n Σ xᵢ².
+    pub(super) fn with_contact(self, covariance: Matrix2<f64>, signals: usize) -> Recorded {
+        Recorded { contact: covariance * signals as f64, ..self }
+    }
+
     /// Where it begins and ends.
     fn ends(&self) -> [f64; 2] {
         [self.series.time()[0], self.series.time()[self.series.len() - 1]]

@@ -139,6 +139,48 @@ fn a_contact_that_is_late_is_no_error_of_the_size() {
     assert!(off < 0.5 * DEVIATION, "shifts are found to {off} s");
 }
 
+/// Two signals of one recording, and so of one contact that is late or early: the size that both show is within its deviation, and
+/// would not be if each had an error of its own.
+#[test]
+fn signals_share_the_error_of_their_contact() {
+    const DEVIATION: f64 = 5e-4;
+    let time: Vec<f64> = (0..=500).map(|sample| 1e-4 * f64::from(sample)).collect();
+    let signal = |level: f64, by: f64| {
+        let value = |t: &f64| level * (std::f64::consts::PI * (t + by).max(0.0) / 0.1).sin();
+        Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>())
+    };
+    let studies = 300;
+    let mut squares = [0.0; 2];
+    for seed in 0..studies {
+        let mut stream = Stream::new(seed);
+        let shift = DEVIATION * stream.normal();
+        for (of, counted) in squares.iter_mut().zip([2, 1]) {
+            let (mut product, mut information) = (0.0, 0.0);
+            for level in [140.0, 60.0] {
+                let exact = signal(level, shift);
+                let noisy = exact.values().iter().map(|value| value + 0.01 * level * stream.normal());
+                let measured = Series::new(time.clone(), noisy.collect::<Vec<_>>());
+                let contact = Matrix2::new(DEVIATION * DEVIATION, 0.0, 0.0, 0.0);
+                let recorded = Recorded::new(&measured, [0.0, 0.05], None).unwrap().with_contact(contact, counted);
+                let mut model = ErrorModel::new(&[recorded], Noise::FromRecording, ROUGH).unwrap();
+                model.add_contact(|by| signal(level, by), None).unwrap();
+                let whitened = |series: &Series| {
+                    let means = model.means(series).unwrap();
+                    let scaled = means.iter().zip(model.noises()).map(|(own, noise)| own / noise);
+                    DVector::from_vec(model.whitened(&DVector::from_iterator(model.bins(), scaled), 0.0))
+                };
+                let (own, one) = (whitened(&measured), whitened(&signal(level, 0.0)));
+                product += own.dot(&one);
+                information += one.norm_squared();
+            }
+            *of += (product / information - 1.0).powi(2) * information / studies as f64;
+        }
+    }
+    let [shared, each] = squares;
+    assert!((0.75..1.15).contains(&shared), "{shared}");
+    assert!(each > 1.3, "with an error of its own for each: {each}");
+}
+
 /// An error of the law, drawn at the samples of a recording and not from the covariance of any bins.
 #[derive(Clone, Copy)]
 enum Process {
