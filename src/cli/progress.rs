@@ -21,7 +21,7 @@ use membrane::engine::Settling;
 use scene::mesh::Outline;
 use scene::model::{Model, Symmetry};
 use scene::simulate::{self, Progress, SpringStep};
-use study::sweep::{Event, RemainingWork};
+use study::sweep::{self, Event, RemainingWork};
 
 /// Steps of the bar for one run.
 const PER_RUN: f64 = 1000.0;
@@ -267,16 +267,17 @@ impl State {
         self.cache_hits + self.computed + self.refused
     }
 
-    /// Runs per second, here and elsewhere, and seconds to go.
+    /// Runs per second, here and elsewhere, and seconds to go, once enough is computed for both.
     fn pace(&self, total: usize) -> Option<[f64; 2]> {
         let elapsed = self.began.elapsed().as_secs_f64();
-        let rate = (self.computed + self.elsewhere) as f64 / elapsed;
+        let computed = self.computed + self.elsewhere;
         let open = total - self.done();
         let left = match self.left {
             Some([left, by_then]) => open.min(left.saturating_sub(self.computed - by_then)),
             None => open,
         };
-        (self.computed > 0 && elapsed > 0.0).then(|| [rate, left as f64 / rate])
+        let to_go = sweep::seconds_to_go(computed, elapsed, left as f64).filter(|_| self.computed > 0)?;
+        Some([computed as f64 / elapsed, to_go])
     }
 }
 

@@ -188,26 +188,20 @@ impl StudyProgress {
         (active.into_iter().map(Search::counts).fold(none, add), "trials")
     }
 
-    /// How long it takes, in words.
+    /// How long it takes, in words: of a sweep the time. A search has a limit only, and a script may ask for more runs.
     fn remaining(&self, elapsed: f64) -> Option<String> {
         if !matches!(self.state, StudyState::Running) {
             return None;
         }
         let Some(search) = self.searches.iter().find(|search| search.is_active) else {
-            return self.runs.to_go(elapsed).map(|seconds| format!("about {} to go", wall_time(seconds)));
+            let seconds = self.sweep.as_ref().and_then(|_| self.runs.to_go(elapsed))?;
+            return Some(format!("about {} to go", wall_time(seconds)));
         };
         let progress = search.progress.as_ref()?;
-        let whole = if progress.starts == 1 {
-            "to go".to_owned()
-        } else {
-            format!("to the end of start {} of {}", progress.iteration.start + 1, progress.starts)
-        };
-        Some(match progress.remaining {
-            Some(time) => format!("about {} {whole}", wall_time(time.as_secs_f64())),
-            None => {
-                let left = progress.max_evaluations.saturating_sub(progress.iteration.evaluations);
-                format!("at most {left} more trials {whole}")
-            }
+        let left = progress.max_evaluations.saturating_sub(progress.iteration.evaluations);
+        Some(match progress.starts {
+            1 => format!("at most {left} more trials in this search"),
+            starts => format!("at most {left} more trials in start {} of {starts}", progress.iteration.start + 1),
         })
     }
 
@@ -399,9 +393,10 @@ mod tests {
         progress.note_run(&RunEvent::Ended { run: Key([1; 16]) }, 6.0);
         progress.note_message("<script>");
         let html = progress.page(TIME);
+        assert!(!html.contains("to go"), "a script may ask for more");
         for part in [
             "<h1>a &lt;b&gt;: running</h1>",
-            "1 runs done in 12 s, about 24 s to go",
+            "1 runs done in 12 s",
             "data-lives=\"true\" data-beat=\"7\" data-written=\"1000\" data-silence=\"10\"",
             "runs waiting</span><span class=\"value\">2</span>",
             "max=\"3\" value=\"1\"",

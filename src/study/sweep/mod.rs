@@ -17,7 +17,7 @@ use scene::scenario::Document;
 use scene::simulate;
 pub use table::{Effect, Effects, Quantiles, SweepResults, Table, Trend};
 pub use warning::{Beyond, CODES, Limit, Warning, warnings};
-pub use work::{Done, Event, RemainingWork, Stop, Work};
+pub use work::{Done, Event, RemainingWork, Stop, Work, seconds_to_go};
 
 /// A scenario, what varies in it, and the values of its runs.
 #[derive(Debug)]

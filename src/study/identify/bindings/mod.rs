@@ -13,7 +13,7 @@ use objective::{ScriptError, ScriptObjective};
 use rayon::prelude::*;
 use rhai::{Engine, EvalAltResult, NativeCallContext};
 
-use crate::identify::convergence::{Labels, Progress, ProgressEstimator, convergence_history};
+use crate::identify::convergence::{Labels, Progress, convergence_history};
 use crate::identify::evaluator::{Evaluator, TrialEvent, TrialPool};
 use crate::identify::objective::{Objective, SearchError};
 use crate::identify::options::Search;
@@ -108,9 +108,9 @@ impl SearchHost {
         let results = self.run(session, searches, |evaluator, number| {
             let HostSearch { search, labels, .. } = &searches[number];
             let name = (several || labels.title.is_some()).then(|| labels.full_title(number));
-            let mut progress = ProgressEstimator::new(search, name);
             let mut observer = |iteration: &Iteration| {
-                (self.observer)(SearchEvent::Progress(begun + number, &progress.update(iteration)));
+                let progress = Progress::after(iteration, search, name.as_deref());
+                (self.observer)(SearchEvent::Progress(begun + number, &progress));
             };
             minimize(search, evaluator, &mut observer)
         })?;
