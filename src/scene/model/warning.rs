@@ -1,10 +1,11 @@
 //! Warnings about a scenario that is valid but implausible.
 
-use super::{Face, MeshInput, Model};
+use super::{Face, Impactor, ImpactorShape, MeshInput, Model};
 use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
 use base::findings;
 use base::number::significant;
+use base::units::Mass;
 use membrane::material::{Criterion, Law, Tension};
 
 /// Largest extent of a mesh that is likely, m.
@@ -74,11 +75,33 @@ findings! {
 
 /// Implausible values and combinations in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
-    let values = document.implausible().into_iter().map(Warning::Value);
+    let darts = darts(document, model);
+    let mut values = document.implausible();
+    values.retain(|value| darts.iter().all(|dart| dart.key != value.key));
+    let values = values.into_iter().chain(darts).map(Warning::Value);
     let meshes = model.meshes().into_iter().filter_map(wide);
     let unstable = rupture_limits(model).into_iter().chain(unstable(document, model));
     let absorption = without_absorption(document, model).into_iter().chain(on_mirror_planes(model));
     values.chain(meshes).chain(drawing(document, model)).chain(unstable).chain(absorption).collect()
+}
+
+/// Radii of the heads of ASTM D1709, m, and the heaviest dart of its scope, kg.
+const STANDARD_DARTS: ([f64; 2], f64) = ([19.05e-3, 25.4e-3], 6.0);
+
+/// The heaviest striker with another hemisphere, kg: of ISO 7765-2 some 20 kg.
+const HEAVIEST_STRIKER: f64 = 100.0;
+
+/// Masses of darts that no standard has.
+fn darts(document: &Document, model: &Model) -> Vec<Implausible> {
+    let of_body = |(place, body): (usize, &Impactor)| {
+        let ImpactorShape::Hemisphere { radius, .. } = body.shape else { return None };
+        let (heads, standard) = STANDARD_DARTS;
+        let is_standard = heads.iter().any(|head| (radius - head).abs() < 1e-3 * head);
+        let likely = [1e-3, if is_standard { standard } else { HEAVIEST_STRIKER }];
+        let keys = ["impactor.mass".to_owned(), format!("impactor.{place}.mass")];
+        keys.iter().find_map(|key| document.implausible_at(key, Mass::DIMENSION, likely))
+    };
+    model.impactors.iter().enumerate().filter_map(of_body).collect()
 }
 
 /// The limit of a stress or an energy below which no film holds, Pa or J/m³.

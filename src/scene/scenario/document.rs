@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
-use super::grammar::{self, Rule};
+use super::grammar::{self, Range, Rule};
 use super::tree::{self, Assignment, Change, Entry, Node, Table, Unset, Value, merge};
 use super::variation::{self, VariedKey};
 use super::{Expectations, Implausible, Material, Scenario, curve_file, resolved, validate};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path, tidy_path};
 use base::file::{self, FileError};
-use base::units::percentage;
+use base::units::{Dimension, percentage};
 use lab::signal;
 
 /// The table of what varies.
@@ -152,6 +152,15 @@ impl Document {
     /// Values that are implausible, although a run could use them.
     pub fn implausible(&self) -> Vec<Implausible> {
         validate::implausible(&self.root, self.rule)
+    }
+
+    /// The quantity at the key path, where it is outside of a range that is narrower than that of its key.
+    pub fn implausible_at(&self, path: &str, dimension: Dimension, likely: [f64; 2]) -> Option<Implausible> {
+        validate::single(
+            self.find(path)?,
+            &Rule::Quantity(dimension, Range { from: None, to: None, likely: Some(likely) }),
+            path,
+        )
     }
 
     /// The whole scenario as one TOML text that runs from any folder: paths absolute, materials and

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::grammar::{Key, Range, Rule, TableRule};
+use super::grammar::{Key, Rule, TableRule};
 use super::tree::{Entry, Node, Table, Value};
 use super::variation::{self, VariedKey};
 use base::diagnostic::{Diagnostic, Span, closest};
@@ -445,13 +445,14 @@ fn walk(node: &Node, rule: &Rule, path: &str, found: &mut Vec<Implausible>) {
                 walk(node, rule, path, found);
             }
         }
-        (Rule::Quantity(_, range) | Rule::Number { range, .. }, _) => found.extend(single(node, rule, range, path)),
+        (Rule::Quantity(..) | Rule::Number { .. }, _) => found.extend(single(node, rule, path)),
         _ => {}
     }
 }
 
-fn single(node: &Node, rule: &Rule, range: &Range, path: &str) -> Option<Implausible> {
-    let value = value_of(node, rule)?;
+/// The value of `node`, where it is outside of the likely range of `rule`.
+pub(super) fn single(node: &Node, rule: &Rule, path: &str) -> Option<Implausible> {
+    let (value, range) = (value_of(node, rule)?, rule.range()?);
     let [low, high] = range.likely.filter(|_| range.contains(value) && !range.is_likely(value))?;
     let shown = |value: f64| rule.dimension().map_or_else(|| number::plain(value), |dimension| dimension.show(value));
     Some(Implausible {
