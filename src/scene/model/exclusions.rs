@@ -218,8 +218,8 @@ exclusions! {
             => hint "only an impact is compared with recorded signals".
         "output.filter" beside "all loadings but `loading.impact`" when |s| !s.is_impact()
             => hint "only an impact has a filtered channel".
-        "reference.impactor", "reference.acceleration", "reference.displacement", "reference.drop_height",
-        "reference.height_error", "reference.speed", "reference.speed_error", "reference.contact_time",
+        "reference.impactor", "reference.acceleration", "reference.invert", "reference.displacement",
+        "reference.drop_height", "reference.height_error", "reference.speed", "reference.speed_error", "reference.contact_time",
         "reference.contact_error", "reference.time_constant", "reference.guide_friction"
             beside "no `reference.signals`" when Scene::has_no_signals => hint "there are no `signals`".
 

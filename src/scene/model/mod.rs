@@ -446,6 +446,8 @@ pub struct Reference {
     pub signals: Option<PathBuf>,
     /// Accelerometer of a raw recording; where none is named, its only acceleration.
     pub acceleration: Option<String>,
+    /// Whether the accelerometer reads a deceleration as negative.
+    pub invert: bool,
     /// Laser of a raw recording; where none is named, its only length.
     pub displacement: Option<String>,
     /// Drop height of a raw recording and its standard deviation, m.

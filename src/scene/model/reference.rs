@@ -61,6 +61,7 @@ pub fn check(
         impactor: place,
         signals,
         acceleration,
+        invert: written.invert,
         displacement,
         drop_height: written.drop_height.map(|height| height.0),
         height_error: written.height_error.map(|error| error.0),

@@ -108,6 +108,9 @@ pub struct Reference {
     pub impactor: Option<String>,
     /// Accelerometer of a raw recording; the only channel that is an acceleration where it is left out.
     pub acceleration: Option<String>,
+    /// Whether the accelerometer reads a deceleration as negative.
+    #[serde(default)]
+    pub invert: bool,
     /// Laser of a raw recording, upward from the film's upper face; the only channel that is a length where it is
     /// left out.
     pub displacement: Option<String>,

@@ -273,9 +273,10 @@ impl Signals {
             let found = own(column).or_else(|| measurement.channel(column).ok());
             found.map(|channel| channel.series.clone())
         };
-        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
+        let acceleration = |column: &str| channel(column).map(|reading| names(reference).upright(&reading));
+        let (raw, displacement) = (acceleration(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
         let named = reference.acceleration.is_some() || reference.displacement.is_some();
-        let filtered = match channel(column::ACCELERATION_FILTERED.name) {
+        let filtered = match acceleration(column::ACCELERATION_FILTERED.name) {
             _ if named => return Ok(None),
             Some(filtered) => Some(filtered),
             None => raw.as_ref().map(|raw| filtered(raw, model, path)).transpose()?,
@@ -310,9 +311,7 @@ impl Signals {
             return Err(ReferenceError::NotAnImpact { path: path() });
         };
         let Impactor { mass, velocity: [_, _, velocity], .. } = impactor;
-        let names =
-            ChannelNames { acceleration: reference.acceleration.clone(), laser: reference.displacement.clone() };
-        let sensed = DropChannels::find(measurement, &names);
+        let sensed = DropChannels::find(measurement, &names(reference));
         let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source })?;
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
         // Where nothing is written, the impactor reached the velocity of the run.
@@ -354,6 +353,12 @@ impl Signals {
             reduction_warnings: drop.warnings,
         })
     }
+}
+
+/// The sensors of the reference.
+fn names(reference: &Reference) -> ChannelNames {
+    let (acceleration, laser) = (reference.acceleration.clone(), reference.displacement.clone());
+    ChannelNames { acceleration, laser, is_inverted: reference.invert }
 }
 
 /// The square of a deviation; zero where none is given.

@@ -104,7 +104,7 @@ fn notes(test: &DropTest) -> Vec<String> {
 fn printed_text(args: &DropArgs, test: &DropTest, rows: &[(&str, String)]) -> String {
     let comments = |annotations: &Annotations| annotations.free_comments().cloned().collect::<Vec<String>>();
     let comments = test.channels.as_ref().map(|channels| comments(&channels.annotations)).unwrap_or_default();
-    let rows: String = rows.iter().map(|(name, value)| format!("  {name:<18} {value}\n")).collect();
+    let rows: String = rows.iter().map(|(name, value)| format!("  {name:<23} {value}\n")).collect();
     let written = [&args.out, &args.page].into_iter().flatten();
     let written: String = written.map(|path| format!("  {}\n", shown_path(path))).collect();
     let remarks = signal::remark_lines(&comments, &test.findings);
@@ -195,6 +195,9 @@ pub(crate) struct DropArgs {
     /// The channel of the accelerometer, where there are several
     #[arg(long, value_name = "NAME")]
     pub column: Option<String>,
+    /// The accelerometer reads a deceleration as negative: turn it round
+    #[arg(long)]
+    pub invert: bool,
     /// The channel of the laser, where there are several lengths: upward from the film's upper face
     #[arg(long, value_name = "NAME")]
     pub laser: Option<String>,

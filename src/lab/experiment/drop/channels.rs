@@ -11,13 +11,25 @@ use base::diagnostic::listed;
 use base::number::clean_time;
 use base::units::{Acceleration, Dimension, Length, Mass, UnitError};
 
-/// Channels as the user names them.
+/// Channels as the user names them, and how the sensor is mounted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelNames {
     /// The accelerometer; the only channel that is an acceleration where none is named.
     pub acceleration: Option<String>,
     /// The laser; the only channel that is a length where none is named.
     pub laser: Option<String>,
+    /// Whether the accelerometer reads a deceleration as negative.
+    pub is_inverted: bool,
+}
+
+impl ChannelNames {
+    /// The reading of an accelerometer, with the other sign where it is mounted the other way round.
+    pub fn upright(&self, reading: &Series) -> Series {
+        match self.is_inverted {
+            true => reading.with_values(reading.values().iter().map(|value| -value).collect()),
+            false => reading.clone(),
+        }
+    }
 }
 
 /// The readings of the sensors on a drop tower.
@@ -46,7 +58,7 @@ impl DropChannels {
         let mut annotations = measurement.annotations.clone();
         annotations.warnings.extend(laser.is_none().then(|| laser_unit_missing(measurement)).flatten());
         Ok(DropChannels {
-            acceleration: acceleration.series.clone(),
+            acceleration: names.upright(&acceleration.series),
             class: acceleration.filtered,
             laser: laser.map(|channel| channel.series.clone()),
             annotations,
@@ -329,8 +341,10 @@ mod tests {
     #[test]
     fn named_channels_are_used_and_mistakes_are_reported() {
         let two = measurement(&[("a1", "g"), ("head", "m/s2"), ("force", "N"), ("volts", "")]);
-        let named = |name: &str| ChannelNames { acceleration: Some(name.into()), laser: None };
+        let named = |name: &str| ChannelNames { acceleration: Some(name.into()), ..ChannelNames::default() };
         assert_eq!(DropChannels::find(&two, &named("head")).unwrap().acceleration.values(), [4.0]);
+        let inverted = ChannelNames { is_inverted: true, ..named("head") };
+        assert_eq!(DropChannels::find(&two, &inverted).unwrap().acceleration.values(), [-4.0]);
         for (names, expected) in [
             (ChannelNames::default(), "the channels `a1`, `head` are each an acceleration: name one"),
             (named("haed"), "no channel `haed` among"),

@@ -77,7 +77,7 @@ impl Release {
                 "acceleration: the impact reads {lowest:.1} m/s² downward; deceleration must be positive, so the sign looks \
                  reversed"
             )
-            .with_hint("write the acceleration with the other sign into the table"));
+            .with_hint("--invert turns the sensor round, and so does `invert = true` in `[reference]`"));
         }
         if largest.is_nan() || largest < BLOW * gravity {
             return Err(refusal!(
@@ -94,7 +94,9 @@ impl Release {
                     "acceleration: the reading falls by {depth:.2} m/s² after the release, where a fall has 9.81: it looks \
                      as if it were in {is} and was read in {read}"
                 )
-                .with_hint(format!("--unit {is}")));
+                .with_hint(format!(
+                    "--unit {is} where the header states none; else name the columns, such as --columns \"time [s],a [{is}]\""
+                )));
             }
         }
         if depth < FALL * gravity {
