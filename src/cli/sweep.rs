@@ -18,11 +18,11 @@ use crate::{Failure, Shared, folder, print_figures, shell, terminal};
 use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
 use base::number::time_taken;
 use base::shell::quoted;
-use base::written::{Reading, digits};
+use base::written::digits;
 use report::SweepPage;
 use scene::scenario::Document;
 use study::evaluate::{EvaluationError, Evaluations};
-use study::post::ranking_figure;
+use study::post::{self, ranking_figure};
 use study::store::evaluations::Share;
 use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, STOPPED_TABLE, StoreError};
 use study::sweep::{Done, Effects, Stop, Sweep, SweepError, SweepResults, Work};
@@ -378,7 +378,7 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
 fn medians(found: &SweepResults) -> Vec<String> {
     let of_figure = |effects: &Effects| {
         let (name, of) = found.statistics.iter().find(|(own, _)| *own == effects.figure)?;
-        let reading = Reading::of_name(name, of.p50.abs().max(of.p05.abs()).max(of.p95.abs())).1;
+        let reading = post::reading(name, of.p50.abs().max(of.p05.abs()).max(of.p95.abs())).1;
         let range = [of.p05, of.p95].map(|value| reading.digits(value)).join(" to ");
         Some([name.clone(), reading.text(of.p50), reading.with_unit(&range)])
     };

@@ -8,14 +8,14 @@ use crate::panes::CHARACTERISTICS;
 use crate::{Figure, cell, figure};
 use base::diagnostic::shown_path;
 use base::number::significant;
-use base::written::{Reading, capital, digits};
+use base::written::{capital, digits};
 use lab::signal::{Series, column};
 use plot as diagrams;
 use plot::{Curve, Plot, TIME};
 use scene::expectation::Outside;
 use scene::scenario::grammar;
 use study::post::comparison::{ComparedFigure, ComparedKey, ComparedRun, ComparedSignal};
-use study::post::{RunComparison, is_result};
+use study::post::{self, LEAST_SHARE, RunComparison, is_result};
 
 /// Most points of all curves, so that the page can be sent by mail.
 const MOST_POINTS: usize = 100_000;
@@ -125,7 +125,10 @@ fn signed_percent(share: f64) -> String {
     if share >= MOST_SHARE {
         return format!("{} times", significant(1.0 + share, 3));
     }
-    let text = significant(100.0 * share, 3);
+    if (100.0 * share).abs() < LEAST_SHARE {
+        return format!("below {LEAST_SHARE} %");
+    }
+    let text = digits(100.0 * share);
     format!("{}{text} %", if share > 0.0 { "+" } else { "" })
 }
 
@@ -202,14 +205,14 @@ struct Difference<'a> {
 
 impl Difference<'_> {
     fn words(&self) -> String {
-        Reading::of_name(&self.figure.name, 0.0).0
+        post::reading(&self.figure.name, 0.0).0
     }
 
     /// The values of the first run and of this one with their unit.
     fn values(&self, run: usize) -> String {
         let value = |run: usize| self.figure.values[run].as_ref().and_then(Value::as_f64).unwrap_or(f64::NAN);
         let (first, own) = (value(0), value(run));
-        let reading = Reading::of_name(&self.figure.name, first.abs().max(own.abs())).1;
+        let reading = post::reading(&self.figure.name, first.abs().max(own.abs())).1;
         format!("{} instead of {}", reading.text(own), reading.text(first))
     }
 }
@@ -281,7 +284,7 @@ pub(crate) fn shown_figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure
     let row = |figure: &ComparedFigure| {
         let number = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
         let size = figure.values.iter().filter_map(number).map(f64::abs).fold(0.0, f64::max);
-        let (words, reading) = Reading::of_name(&figure.name, size);
+        let (words, reading) = post::reading(&figure.name, size);
         let cell = |(run, value): (usize, &Option<Value>)| match (number(value), value) {
             (Some(number), _) => {
                 let is_error = figure.name.ends_with("_error");
@@ -300,8 +303,13 @@ pub(crate) fn shown_figures<'a>(figures: impl Iterator<Item = &'a ComparedFigure
 
 /// A key by its title, then a value a scenario.
 fn shown_keys(comparison: &RunComparison) -> Vec<Vec<Cell>> {
+    let titles: Vec<String> = comparison.keys.iter().map(|key| key_words(&key.path)).collect();
     let row = |(key, cells): (&ComparedKey, Vec<String>)| {
-        let title = Cell::text(key_words(&key.path)).titled(&key.path);
+        let title = key_words(&key.path);
+        // Of keys with one title, as the curves of MD and TD, each has the end of its path.
+        let is_shared = titles.iter().filter(|other| **other == title).count() > 1;
+        let end = key.path.rmatch_indices('.').nth(1).map_or(key.path.as_str(), |(at, _)| &key.path[at + 1..]);
+        let title = Cell::text(if is_shared { end } else { &title }).titled(&key.path);
         std::iter::once(title).chain(cells.into_iter().skip(1).map(Cell::text)).collect()
     };
     comparison.keys.iter().zip(keys(comparison)).map(row).collect()

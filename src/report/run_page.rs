@@ -150,7 +150,7 @@ fn reduced(drop: &Figures) -> String {
         row("impact speed", speed, drop.impact_velocity_interval_m_s, [1.0, 3.0], "m/s"),
         row("lowest point", drop.peak_displacement_m, drop.peak_displacement_interval_m, [1e3, 1.0], "mm"),
         row("first contact", Some(drop.contact_time_s), drop.contact_time_interval_s, [1.0, 4.0], "s"),
-        row("energy absorbed", drop.energy_absorption, drop.energy_absorption_interval, [100.0, 1.0], "%"),
+        row("loading energy absorbed", drop.energy_absorption, drop.energy_absorption_interval, [100.0, 1.0], "%"),
     ];
     let time_constant = drop.time_constant_interval_s.map(|ends| {
         let [low, high] = ends.map(|end| end.map_or_else(|| "no limit".to_owned(), |end| format!("{:.1}", 1e3 * end)));

@@ -14,6 +14,7 @@ use base::written::{Reading, capital, digits};
 use plot::{Curve, Look, Plot, Window};
 use scene::model::Factor;
 use scene::scenario::grammar;
+use study::post;
 use study::sweep::{Quantiles, Sweep, SweepResults, Table, Trend};
 
 /// The content of the page of a sweep.
@@ -359,7 +360,7 @@ pub(crate) fn failures(results: &SweepResults) -> String {
 /// Median, range and deviation of every figure, each in its unit.
 fn statistics(results: &SweepResults) -> String {
     let row = |(name, of): &(String, study::sweep::Quantiles)| {
-        let (words, reading) = Reading::of_name(name, of.p50.abs().max(of.p95.abs()).max(of.p05.abs()));
+        let (words, reading) = post::reading(name, of.p50.abs().max(of.p95.abs()).max(of.p05.abs()));
         let cell = |value: f64| Cell::number(value, reading.text(value));
         let deviation = of.deviation.map_or_else(Cell::default, cell);
         vec![Cell::text(words).titled(name), cell(of.p50), cell(of.p05), cell(of.p95), cell(of.mean), deviation]
@@ -460,7 +461,7 @@ fn size(column: &Column) -> f64 {
 impl<'a> Shown<'a> {
     /// A figure, by its name.
     fn of_figure(column: &'a Column) -> Shown<'a> {
-        let (words, reading) = Reading::of_name(&column.name, size(column));
+        let (words, reading) = post::reading(&column.name, size(column));
         Shown { column, words, key: column.name.clone(), reading }
     }
 

@@ -90,7 +90,7 @@ fn each_row_is_the_run_that_its_inputs_give() {
     let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
     assert!(page.contains("droptower run drop.toml --set &#39;impactor.mass="), "the page says how a run is repeated");
     assert!(
-        page.contains("<p class=\"lead\">Peak acceleration ") && page.contains("The film holds in every run"),
+        page.contains("<p class=\"lead\">Peak deceleration ") && page.contains("The film holds in every run"),
         "no answer"
     );
     let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("the page has no {what}"));

@@ -66,7 +66,7 @@ pub(super) fn impact(test: &DropTest, drop: &Drop) -> Vec<Plot> {
     let mut places = vec![Curve::line("integrated", shown.of_clock(&displacement, 1e3))];
     let laser = test.channels.as_ref().and_then(|channels| channels.laser.as_ref());
     places.extend(laser.map(|laser| Curve::line("laser", shown.of_clock(laser, 1e3)).dashed()));
-    places.extend(intervals(drop));
+    places.extend(lowest_point(drop));
     let named = |name: &str, column: Column| Curve::line(name, shown.of_column(&drop.signals, column, 1.0));
     vec![
         over_time("Acceleration", ACCELERATION, vec![acceleration("filtered", drop)]),
@@ -85,13 +85,10 @@ pub(super) fn impact(test: &DropTest, drop: &Drop) -> Vec<Plot> {
     ]
 }
 
-/// The intervals of contact and of the lowest point, as lines where they are.
-fn intervals(drop: &Drop) -> Vec<Curve> {
-    let Some(intervals) = &drop.intervals else { return vec![] };
-    let contact = intervals.contact_time.map(|time| [1e3 * (time - drop.contact.time), 0.0]);
-    let lowest = drop.lowest_point().map(|[time, _]| intervals.displacement.map(|place| [1e3 * time, 1e3 * place]));
-    let lowest = lowest.map(|ends| Curve::line("lowest point, 95 %", ends));
-    [Some(Curve::line("contact, 95 %", contact)), lowest].into_iter().flatten().collect()
+/// The interval of the lowest point, as a line where it is.
+fn lowest_point(drop: &Drop) -> Option<Curve> {
+    let ([time, _], intervals) = drop.lowest_point().zip(drop.intervals.as_ref())?;
+    Some(Curve::line("lowest point, 95 %", intervals.displacement.map(|place| [1e3 * time, 1e3 * place])))
 }
 
 /// Curves of several drops over each other, aligned at first contact: acceleration, displacement and force over travel.

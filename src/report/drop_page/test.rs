@@ -128,7 +128,7 @@ pub const DROP_QUANTITIES: [DropQuantity; 6] = [
     },
     DropQuantity {
         name: "energy_absorption",
-        words: "energy absorbed",
+        words: "loading energy absorbed",
         unit: "%",
         factor: 100.0,
         of: |figures| figures.energy_absorption,
@@ -142,7 +142,7 @@ pub const DROP_QUANTITIES: [DropQuantity; 6] = [
     },
     DropQuantity {
         name: "rebound_velocity_m_s",
-        words: "rebound velocity",
+        words: "largest upward speed",
         unit: "m/s",
         factor: 1.0,
         of: |figures| figures.rebound_velocity_m_s,

@@ -12,7 +12,7 @@ use super::{Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, St
 use base::finding::Finding;
 use base::number::duration;
 use base::units::STANDARD_GRAVITY;
-use base::written::digits;
+use base::written::{Reading, digits};
 use scene::model::Model;
 use scene::model::loading::Test;
 
@@ -159,8 +159,8 @@ const PERCENT: Shown = (100.0, "%");
 pub const HEADLINES: [Headline; 25] = [
     at("time_of_peak_acceleration_s", result(IMPACT, "peak_acceleration_m_s2", "peak deceleration", G)),
     at("time_of_peak_displacement_s", result(IMPACT, "peak_displacement_m", "lowest point", MM)),
-    result(IMPACT, "energy_absorption", "energy absorbed", PERCENT),
-    at("time_of_rebound_s", result(IMPACT, "rebound_velocity_m_s", "rebound velocity", (1.0, "m/s"))),
+    result(IMPACT, "energy_absorption", "loading energy absorbed", PERCENT),
+    at("time_of_rebound_s", result(IMPACT, "rebound_velocity_m_s", "largest upward speed", (1.0, "m/s"))),
     other(IMPACT, "acceleration_error", "acceleration error E_a", PERCENT),
     other(IMPACT, "displacement_error", "displacement error E_d", PERCENT),
     result(STRETCH, "peak_force_N", "peak force", N),
@@ -332,6 +332,14 @@ pub fn ranking_figure(model: &Model) -> &'static str {
 /// script measures, the value as it is.
 pub fn badness(figure: &str, value: f64) -> f64 {
     if is_of_script(figure) { value } else { value.abs() }
+}
+
+/// The words of a figure and how its values are read, of which the largest has this `size`: of a headline as it is shown first, also
+/// of one of several impactors.
+pub fn reading(name: &str, size: f64) -> (String, Reading) {
+    let Some(headline) = find(name).next() else { return Reading::of_name(name, size) };
+    let whose = name.strip_suffix(headline.name).unwrap_or_default().replace('_', " ");
+    (format!("{whose}{}", headline.words), Reading { unit: headline.unit.into(), factor: headline.factor })
 }
 
 /// Whether a figure is one by which films are judged, also of one of several impactors, with its name before.

@@ -75,8 +75,8 @@ pub struct BodyFigures {
     pub time_of_peak_displacement_s: Option<f64>,
     /// Largest upward velocity after the lowest point; none without a rebound.
     pub rebound_velocity_m_s: Option<f64>,
-    /// D of the paper's equation 11, without what other impactors and the frame's bars did to it; none without a
-    /// rebound, and where the run ended while film still pressed on it.
+    /// Share of the energy of loading that the film does not return on unloading (D of the paper's equation 11), without what other
+    /// impactors and the frame's bars did to the impactor; none without a rebound, and where the run ended while film still pressed on it.
     pub energy_absorption: Option<f64>,
     /// The same of the film alone, without what the guide dissipates.
     pub film_energy_absorption: Option<f64>,

@@ -21,7 +21,7 @@ pub use comparison::RunComparison;
 pub use field::{FieldFigures, FieldTime};
 pub use figures::{
     FigureName, HEADLINES, Headline, LEAST_SHARE, TestKind, answer, badness, descends, figures, further, headlines_of,
-    is_known, is_of_script, is_result, is_too_coarse, ranking_figure, reached,
+    is_known, is_of_script, is_result, is_too_coarse, ranking_figure, reached, reading,
 };
 pub use impact::{BodyFigures, Impact, lowest_point};
 pub use indent::Indent;

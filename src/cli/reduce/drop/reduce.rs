@@ -61,7 +61,8 @@ impl Reducer<'_> {
                 return Reading { test, holds_numbers: *error.kind() != Kind::NoRows };
             }
         };
-        let names = ChannelNames { acceleration: self.args.column.clone(), laser: self.args.laser.clone() };
+        let DropArgs { column, laser, invert, .. } = self.args;
+        let names = ChannelNames { acceleration: column.clone(), laser: laser.clone(), is_inverted: *invert };
         let test = match DropChannels::find(&measurement, &names) {
             Ok(sensed) => self.test(path, sensed),
             Err(error) => DropTest::unread(path, failure::content(path, &error)),
@@ -283,7 +284,7 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
         ),
         ("energy", energy(figures, bounds.is_some())),
         (
-            "energy absorbed",
+            "loading energy absorbed",
             match (figures.energy_absorption, bounds) {
                 (None, Some(_)) => withheld.into(),
                 (absorbed, _) => or_none(absorbed.map(|d| {
@@ -301,7 +302,7 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
         let interval = interval_of(figures.rebound_velocity_interval_m_s, 1.0, 3);
         format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
     });
-    rows.insert(6, ("rebound", or_none(rebound)));
+    rows.insert(6, ("largest upward speed", or_none(rebound)));
     if let Some((input, share)) = figures.widest_input.zip(figures.widest_share) {
         rows.push(("intervals", "95 % by noise, zero, coupling, friction, height, release and onset".into()));
         rows.push(("widest by", widest(input, share)));
@@ -362,7 +363,7 @@ fn guide(friction: &GuideFriction, figures: &Figures) -> String {
     let per_speed =
         (friction.per_speed != 0.0).then(|| format!(", per_speed = \"{} N s/m\"", significant(friction.per_speed, 3)));
     format!(
-        "{force}{}\n  {:<18} impactor.guide_friction = {{ constant = \"{} N\"{} }}",
+        "{force}{}\n  {:<23} impactor.guide_friction = {{ constant = \"{} N\"{} }}",
         film.unwrap_or_default(),
         "",
         significant(friction.constant, 3),
