@@ -160,12 +160,14 @@ impl Calibration {
     fn report(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         collector.table(&plan.table("parameters"), self.parameters()).map_err(refuse)?;
-        for (name, rows) in [("tests", rows::tests(plan, fit)), ("outcomes", rows::outcomes(plan, fit))] {
+        let tests = rows::tests(plan, fit);
+        let misfits: Vec<Finding> = rows::misfits(&tests).iter().map(Finding::new).collect();
+        for (name, rows) in [("tests", tests), ("outcomes", rows::outcomes(plan, fit))] {
             if !rows.is_empty() {
                 collector.table(&plan.table(name), rows).map_err(refuse)?;
             }
         }
-        fit.findings.iter().try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
+        fit.findings.iter().chain(&misfits).try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
     }
 
     fn parameters(&self) -> Vec<Row> {

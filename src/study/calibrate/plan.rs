@@ -48,6 +48,8 @@ pub(super) struct Plan {
     /// Whether simulated signals are corrected for their elements, and what these are off by.
     pub(super) elements: Elements,
     pub(super) mesh: mesh::Known,
+    /// Whether all recordings are virtual.
+    pub(super) is_virtual: bool,
 }
 
 /// The break strains of a test: what is known of them, and the unknowns that say the rest.
@@ -171,6 +173,7 @@ impl Plan {
             keeps_ruptured,
             elements,
             mesh: mesh::Known::default(),
+            is_virtual: session.is_all_virtual(),
         };
         plan.check_start(session)?;
         plan.stages = stages(given.get("stages"), &plan.tests, session).map_err(|error| at_key("stages", *error))?;

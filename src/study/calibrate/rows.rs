@@ -7,6 +7,7 @@ use super::outcome::Described;
 use super::plan::Plan;
 use super::posterior::Posterior;
 use super::verdict::Knowledge;
+use super::warning::Warning;
 use crate::script::Row;
 use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{deviation, mean, quantiles};
@@ -51,6 +52,26 @@ pub(super) fn tests(plan: &Plan, fit: &Fit) -> Vec<Row> {
         }
     }
     rows
+}
+
+/// Errors over the median of the others' from which a test fits far worse than they do, and the least of them.
+const FAR: (f64, f64) = (4.0, 0.02);
+
+/// Signals of tests that fit far worse than the others, of which there are two at least.
+pub(super) fn misfits(tests: &[Row]) -> Vec<Warning> {
+    let error = |row: &Row| row["relative_error"].as_f64();
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let misfit = |(place, row): (usize, &Row)| {
+        let others = tests.iter().enumerate().filter(|(other, _)| *other != place);
+        let others: Vec<f64> = others.filter_map(|(_, row)| error(row)).collect();
+        let (error, median) = (error(row)?, *quantiles(&others, &[0.5])?.first()?);
+        let (factor, least) = FAR;
+        (others.len() > 1 && error > least.max(factor * median)).then(|| {
+            let [test, signal] = [&row["test"], &row["signal"]].map(text);
+            Warning::Misfit { test, signal, error, others: median }
+        })
+    };
+    tests.iter().enumerate().filter_map(misfit).collect()
 }
 
 /// One row an outcome: how likely it is, or the failure mass that follows, with the best values.
@@ -126,8 +147,9 @@ pub(super) fn plots(plan: &Plan, fit: &Fit) -> Vec<Plot> {
                 signal.recordings.iter().flat_map(|own| own.time().last()).copied().fold(f64::NEG_INFINITY, f64::max);
             let start =
                 signal.recordings.iter().flat_map(|own| own.time().first()).copied().fold(f64::INFINITY, f64::min);
+            let recorded = if plan.is_virtual { "virtual recording" } else { "measured" };
             let mut curves = vec![curve("calibrated", &simulated.window([start, end]), Look::Line)];
-            curves.extend(signal.recordings.iter().map(|own| curve("measured", own, Look::Dashed)));
+            curves.extend(signal.recordings.iter().map(|own| curve(recorded, own, Look::Dashed)));
             let title = format!("{}: {}", test.name, signal.name);
             plots.push(Plot::new(title, [x, signal.column.axis], curves));
         }
@@ -200,5 +222,25 @@ pub(super) fn object(value: Value) -> Row {
     match value {
         Value::Object(row) => row,
         _ => Row::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_test_that_fits_six_times_worse_is_named() {
+        let found = |errors: &[f64]| -> Vec<String> {
+            let row = |(place, error)| {
+                object(json!({ "test": format!("t{place}"), "signal": "force", "relative_error": error }))
+            };
+            let rows: Vec<Row> = errors.iter().enumerate().map(row).collect();
+            misfits(&rows).iter().map(Warning::to_string).collect()
+        };
+        assert_eq!(found(&[0.03, 0.18, 0.02]), ["t1: its force is off by 18 %, 7.2 times as much as the others"]);
+        for alike in [&[0.03, 0.06, 0.02][..], &[0.001, 0.01, 0.001], &[0.03, 0.18], &[0.2]] {
+            assert!(found(alike).is_empty(), "{alike:?}");
+        }
     }
 }

@@ -82,6 +82,18 @@ findings! {
                 ratios yields in all directions together";
             message "fitted to 0, 45 and 90 degrees, the law is {} to {} off at {} degrees (modulus {}): {needs}",
                 signed(*least), signed(*most), angles.join(", "), signed(*of_modulus);
+        Misfit {
+            test: String, "the test" => "test";
+            signal: String, "its signal" => "signal";
+            error: f64, "its relative error with the best values" => "error";
+            others: f64, "median of the others' errors" => "others";
+        } = "misfit", Warning;
+            meaning "with the best values a test is off by four times as much as the others, and by more than 2 %: the law cannot follow it \
+                together with them, or something about it is wrong";
+            remedy "look at its plot: is it the recording of this scenario, in the right unit and window; `left_out` of the result says what \
+                the others give without it";
+            message "{test}: its {signal} is off by {}, {} times as much as the others", percent(*error),
+                significant(*error / *others, 2);
         TablesReplaced = "tables-replaced", Warning;
             meaning "a script calibrates twice under one name, or without one, so that the tables of the first result are replaced";
             remedy "give each calibration a `name`: its tables begin with it";
