@@ -280,7 +280,7 @@ mod tests {
         page.stopping();
         assert!(text().contains("a: stopping"));
         page.ended("a");
-        assert!(text().contains("../a/report.html"));
+        assert!(text().contains("../../a/report.html"));
     }
 
     #[test]
@@ -300,7 +300,7 @@ mod tests {
     fn a_page_that_cannot_be_written_is_told_once_and_ends_nothing() {
         let root = tempfile::tempdir().unwrap();
         let (page, told) = page(root.path());
-        fs::write(page.folder().path(), "a file in its place").unwrap();
+        fs::write(root.path().join(".progress"), "a file in its place").unwrap();
         page.begin();
         page.stopped();
         let told = told.lock().unwrap();

@@ -58,18 +58,22 @@ fn the_page_of_a_sweep_becomes_its_report() {
     let folder = scene.path();
     let output = droptower(folder, &["sweep", "drop.toml"]);
     let told = error(&output);
-    assert_eq!(told.lines().next(), Some("note: runs/drop.sweep.progress/progress.html shows how far it is"), "{told}");
-    assert_eq!(names(&folder.join("runs/drop.sweep.progress")), ["progress.html"]);
-    let page = read(&folder.join("runs/drop.sweep.progress/progress.html"));
-    assert!(page.contains("content=\"0; url=../drop.sweep/report.html\""), "{page}");
-    assert!(folder.join("runs/drop.sweep.progress/../drop.sweep/report.html").is_file());
+    assert_eq!(
+        told.lines().next(),
+        Some("note: runs/.progress/drop.sweep/progress.html shows how far it is"),
+        "{told}"
+    );
+    assert_eq!(names(&folder.join("runs/.progress/drop.sweep")), ["progress.html"]);
+    let page = read(&folder.join("runs/.progress/drop.sweep/progress.html"));
+    assert!(page.contains("content=\"0; url=../../drop.sweep/report.html\""), "{page}");
+    assert!(folder.join("runs/.progress/drop.sweep/../../drop.sweep/report.html").is_file());
     let events = droptower(folder, &["sweep", "drop.toml", "--json"]);
     let first: Json = serde_json::from_str(error(&events).lines().next().expect("an event")).expect("JSON");
-    assert_eq!([&first["event"], &first["path"]], ["page", "runs/drop.sweep.progress/progress.html"]);
+    assert_eq!([&first["event"], &first["path"]], ["page", "runs/.progress/drop.sweep/progress.html"]);
     let part = droptower(folder, &["sweep", "drop.toml", "--shard", "1/2", "--quiet"]);
     assert!(part.status.success() && error(&part).is_empty());
     assert_eq!(
-        names(&folder.join("runs/drop.sweep.progress")),
+        names(&folder.join("runs/.progress/drop.sweep")),
         ["progress.html"],
         "a part that has ended leaves no page"
     );
@@ -81,7 +85,7 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     let scene = scene(VARIATION);
     let folder = scene.path();
     let mut child = start(folder, &["sweep", "drop.toml", "-n", "100000"]);
-    let progress = folder.join("runs/drop.sweep.progress");
+    let progress = folder.join("runs/.progress/drop.sweep");
     let has_records = || {
         let listed = figures(&droptower(folder, &["store", "list", "--json"]));
         listed.as_array().expect("a list").iter().any(|build| build["evaluations"].as_u64() > Some(3))
@@ -90,7 +94,7 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     assert!(read(&progress.join("progress.html")).contains("data-lives=\"true\""));
     let output = interrupt(child);
     assert_eq!(output.status.code(), Some(1), "{}", error(&output));
-    assert!(error(&output).contains("runs/drop.sweep.progress has it so far"), "{}", error(&output));
+    assert!(error(&output).contains("runs/.progress/drop.sweep has it so far"), "{}", error(&output));
     let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
     let listed = figures(&droptower(folder, &["store", "list", "--json"]));
     assert_eq!(stopped["stopped"], true);
@@ -148,13 +152,13 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     let set = ["--set", "specimen.mesh.size=80 mm", "--set", "loading.impact.duration=10 ms"];
     let arguments = [&["script", "search.rhai", "--scenario", &scenario][..], &set].concat();
     let mut child = start(folder, &arguments);
-    let progress = folder.join("runs/search.progress");
+    let progress = folder.join("runs/.progress/search");
     let has_best = || fs::read_to_string(progress.join("progress.html")).is_ok_and(|page| page.contains("Best so far"));
     wait_for(&mut child, has_best);
     let output = interrupt(child);
     let told = error(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert_eq!(told.lines().next(), Some("note: runs/search.progress/progress.html shows how far it is"), "{told}");
+    assert_eq!(told.lines().next(), Some("note: runs/.progress/search/progress.html shows how far it is"), "{told}");
     assert!(told.contains("note: stops once what runs has ended; Ctrl-C again gives it up"), "{told}");
     assert!(told.contains("search.rhai was stopped before its end"), "{told}");
     let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");

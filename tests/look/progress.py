@@ -189,8 +189,8 @@ def main():
         search = ["script", "search.rhai", "--scenario", str(root / "scenarios/drop/1008.toml"), *coarse]
         faults = 0
         for name, study, page in [
-            ("sweep", [*sweep, "-n", "100000", "--out", "sweep"], folder / "sweep.progress/progress.html"),
-            ("search", [*search, "--out", "search"], folder / "search.progress/progress.html"),
+            ("sweep", [*sweep, "-n", "100000", "--out", "sweep"], folder / ".progress/sweep/progress.html"),
+            ("search", [*search, "--out", "search"], folder / ".progress/search/progress.html"),
         ]:
             try:
                 texts = taken(droptower, folder, study, page, lambda text: done(text) >= 25)
@@ -200,7 +200,7 @@ def main():
                 print(f"progress of a {name}: {fault}", file=sys.stderr)
         try:
             subprocess.run([droptower, *sweep, "-n", "4", "--out", "sweep", "--quiet"], cwd=folder, check=True)
-            leads_to_the_report(browser, folder / "sweep.progress/progress.html")
+            leads_to_the_report(browser, folder / ".progress/sweep/progress.html")
         except Fault as fault:
             faults += 1
             print(f"the page of a sweep that has ended: {fault}", file=sys.stderr)

@@ -7,9 +7,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::StoreError;
 use super::evaluations::Share;
-use super::{StoreError, sibling_name};
+use base::diagnostic::folder_of;
 use base::file;
+
+/// The folder of all studies beside their results.
+const ALL: &str = ".progress";
 
 /// The page of a study while it runs; afterwards it leads to the report.
 const PAGE: &str = "progress.html";
@@ -23,7 +27,7 @@ pub const STOPPED: &str = "stopped.json";
 /// The runs that are done of a sweep that was stopped.
 pub const STOPPED_TABLE: &str = "table.csv";
 
-/// The folder `<results>.progress`, of one process.
+/// The folder `.progress/<results>` beside the results, of one process: a page that is open there leads to the report.
 #[derive(Clone, Debug)]
 pub struct ProgressFolder {
     results: PathBuf,
@@ -36,13 +40,14 @@ pub struct ProgressFolder {
 impl ProgressFolder {
     /// The folder of a process with this share of the study whose results go to `results`.
     pub fn new(results: &Path, share: Share) -> ProgressFolder {
-        let folder = sibling_name(results, ".progress");
+        let folder = folder_of(results).join(ALL).join(results.file_name().unwrap_or_default());
         let [first, last] = PART;
         let name = match share {
             Share::WHOLE => PAGE.to_owned(),
             Share { number, of } => format!("{first}{number}-of-{of}{last}"),
         };
-        let made = folder.parent().filter(|above| !above.as_os_str().is_empty() && !above.exists()).map(Path::to_owned);
+        let made = folder_of(results).to_owned();
+        let made = (!made.exists()).then_some(made);
         ProgressFolder { results: results.into(), page: folder.join(name), folder, made }
     }
 
@@ -61,11 +66,17 @@ impl ProgressFolder {
     /// # Errors
     /// It cannot be written.
     pub fn write_page(&self, html: &str) -> io::Result<()> {
-        file::own_folder(&self.folder)?;
+        self.make()?;
         file::replace(&self.page, html.as_bytes()).inspect_err(|_| {
             // Of a full disk no empty folder is left.
             let _ = fs::remove_dir(&self.folder);
         })
+    }
+
+    /// Makes the folder; neither it nor the one above is a link.
+    fn make(&self) -> io::Result<()> {
+        file::own_folder(folder_of(&self.folder))?;
+        file::own_folder(&self.folder)
     }
 
     /// Writes a file of the result of a study that was stopped.
@@ -74,7 +85,7 @@ impl ProgressFolder {
     /// It cannot be written.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.join(name);
-        let written = file::own_folder(&self.folder).and_then(|()| file::replace(&path, content));
+        let written = self.make().and_then(|()| file::replace(&path, content));
         written.map_err(|source| StoreError::write(path, source))
     }
 
@@ -98,10 +109,10 @@ impl ProgressFolder {
             remove(&self.folder.join(name))?;
         }
         let name = self.results.file_name().unwrap_or_default();
-        self.write_page(&leads(&format!("../{}/{}", address(name), super::run_files::REPORT)))
+        self.write_page(&leads(&format!("../../{}/{}", address(name), super::run_files::REPORT)))
     }
 
-    /// Removes the page, the folder where nothing else is in it, and the one above where that was made for it.
+    /// Removes the page, and the folders above where nothing else is in them.
     ///
     /// # Errors
     /// The page cannot be removed.
@@ -109,7 +120,7 @@ impl ProgressFolder {
         remove(&self.page)?;
         // What else is in them stays.
         let _ = fs::remove_dir(&self.folder);
-        if let Some(above) = &self.made {
+        for above in [folder_of(&self.folder)].into_iter().chain(self.made.as_deref()) {
             let _ = fs::remove_dir(above);
         }
         Ok(())
@@ -173,7 +184,7 @@ mod tests {
         assert_eq!(fs::read_to_string(whole.page()).unwrap(), "runs");
         whole.end(|address| format!("to {address}")).unwrap();
         assert_eq!(names(whole.path()), ["progress-of-mine.html", "progress.html"]);
-        assert_eq!(fs::read_to_string(whole.page()).unwrap(), "to ../a%20b%25/report.html");
+        assert_eq!(fs::read_to_string(whole.page()).unwrap(), "to ../../a%20b%25/report.html");
     }
 
     #[test]
@@ -193,6 +204,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let elsewhere = tempfile::tempdir().unwrap();
         let folder = ProgressFolder::new(&root.path().join("a"), Share::WHOLE);
+        fs::create_dir(root.path().join(ALL)).unwrap();
         std::os::unix::fs::symlink(elsewhere.path(), folder.path()).unwrap();
         assert!(folder.write_page("runs").is_err());
         assert_eq!(names(elsewhere.path()), Vec::<String>::new());
