@@ -5,8 +5,10 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::{DiagnosticFormat, print_diagnostics, print_drawing, print_records};
-use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use serde_json::json;
+
+use crate::{DiagnosticFormat, has_printed, print_diagnostics, print_drawing, print_json, print_records};
+use base::diagnostic::{Diagnostic, Record, Source, Span, shown_path};
 use base::file;
 use lab::error::{Error, Kind};
 use study::post::{EvaluateError, PrepareError, ReferenceError};
@@ -66,8 +68,14 @@ impl Failure {
         })
     }
 
-    /// Prints the diagnostics and gives the exit status.
-    pub(crate) fn report(&self, format: DiagnosticFormat) -> ExitCode {
+    /// Prints the diagnostics, as an object on standard output too where `json` is asked for and nothing is there yet, and gives
+    /// the exit status.
+    pub(crate) fn report(&self, format: DiagnosticFormat, json: bool) -> ExitCode {
+        if json && !has_printed() {
+            let errors: Vec<Record<'_>> = self.diagnostics.iter().map(Diagnostic::record).collect();
+            // With standard output closed, the exit status is left.
+            let _ = print_json(&json!({ "errors": errors }));
+        }
         match format {
             _ if self.diagnostics.is_empty() => {}
             DiagnosticFormat::Text => {

@@ -185,8 +185,14 @@ fn rubber_page(fit: &LawFit, findings: &[Finding], material: Option<&str>) -> St
     let all: Vec<&TestFit> = fit.tests.iter().chain(&fit.predictions).collect();
     let title =
         format!("{} fitted to {} test{}", fit.choice, fit.tests.len(), if fit.tests.len() == 1 { "" } else { "s" });
+    let error = |test: &TestFit| test.quality.relative_rms;
+    let worst = all.iter().max_by(|one, other| error(one).total_cmp(&error(other)));
+    let answer = worst.map(|test| {
+        format!("Its stress is off by {} % (rms) at most, in {}.", figure(100.0 * error(test), 3), test.set.name)
+    });
     fit_page(&FitPage {
         title: &title,
+        answer: answer.unwrap_or_default(),
         tables: vec![coefficients(fit), tests(fit)],
         plots: rubber_plots(&all),
         correlation: correlation(fit).filter(|correlation| correlation.names.len() > 1),
@@ -399,7 +405,9 @@ fn fit_prony_series(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
 fn prony_page(source: &str, fit: &PronyFit, findings: &[Finding], material: Option<&str>) -> String {
     let title = format!("Relaxation of {source}");
     let (tables, plots) = (tables(fit), prony_plots(fit));
-    fit_page(&FitPage { title: &title, tables, plots, correlation: None, findings, material })
+    let error = figure(100.0 * fit.relative_rms, 3);
+    let answer = format!("Its modulus is off by {error} % (rms).");
+    fit_page(&FitPage { title: &title, answer, tables, plots, correlation: None, findings, material })
 }
 
 fn tables(fit: &PronyFit) -> Vec<FitTable> {

@@ -36,10 +36,12 @@ mod watch;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
+use serde_json::json;
 
 use base::diagnostic::{self, Diagnostic};
 use base::removed;
@@ -222,16 +224,21 @@ pub fn main() -> ExitCode {
     };
     match run(&command, &shared) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(shared.diagnostics),
+        Err(failure) => failure.report(shared.diagnostics, shared.json),
     }
 }
 
 /// Reports arguments that no command takes; what earlier versions took with what to use instead.
 fn unusable(error: &clap::Error) -> ExitCode {
     let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let json = words.iter().any(|word| word == "--json");
     match removed::command(&words).filter(|_| error.use_stderr()) {
         Some((name, hint)) => Failure::from(Diagnostic::new(format!("droptower has no `{name}`")).hint(hint))
-            .report(DiagnosticFormat::from_words(&words)),
+            .report(DiagnosticFormat::from_words(&words), json),
+        None if json && error.use_stderr() => {
+            let _ = print_json(&json!({ "errors": [{ "message": error.to_string().trim_end() }] }));
+            error.exit()
+        }
         None => error.exit(),
     }
 }
@@ -322,9 +329,18 @@ pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
     }
 }
 
+/// Set by the first print on standard output.
+static HAS_PRINTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether standard output has something.
+pub(crate) fn has_printed() -> bool {
+    HAS_PRINTED.load(Ordering::Relaxed)
+}
+
 /// Prints text on standard output without control characters; a reader that closes the pipe (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     progress::end_of_work();
+    HAS_PRINTED.store(true, Ordering::Relaxed);
     match writeln!(io::stdout(), "{}", diagnostic::printable(text)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::output(Diagnostic::new(format!("cannot print: {error}"))))

@@ -3,6 +3,8 @@
 use std::fmt::Write;
 
 use base::finding::{Finding, Severity};
+use base::number::significant;
+use base::written::Reading;
 use report::{Figure, cell, columns};
 use study::codes;
 use study::script::{Row, RunFindings, ScriptOutput, Warning};
@@ -43,11 +45,21 @@ const MOST_ROWS: usize = 40;
 /// The rows of a longer table that are printed from its beginning; the others are from its end.
 const FIRST_ROWS: usize = 10;
 
+/// Significant digits of a figure of a script.
+const DIGITS: usize = 4;
+
 /// The answer, figures and tables; every line ends with a line break.
 pub(crate) fn script_output(output: &ScriptOutput) -> String {
     let answer = output.answer.iter().map(|answer| format!("  {answer}\n"));
-    let figures = output.measures.iter().filter_map(|(name, value)| Figure::from_value(name, value));
-    let figures = figures.map(|figure| format!("  {}\n", figure.cells().join(" ").trim_end()));
+    let figures = output.measures.iter().filter_map(|(name, value)| {
+        let of_number = |number: f64| {
+            let (words, reading) = Reading::of_name(name, number);
+            format!("{words} {}", reading.with_unit(&significant(reading.value(number), DIGITS)))
+        };
+        let other = || Some(Figure::from_value(name, value)?.cells().join(" ").trim_end().to_owned());
+        value.as_f64().map(of_number).or_else(other)
+    });
+    let figures = figures.map(|figure| format!("  {figure}\n"));
     let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", rows_of(rows)));
     answer.chain(figures).chain(tables).collect()
 }
