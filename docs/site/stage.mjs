@@ -7,7 +7,7 @@ import path from "node:path";
 import { reference } from "./reference.mjs";
 
 const [repository, folder, droptower] = process.argv.slice(2);
-const PICTURES = [".png", ".svg"];
+const PICTURES = [".png", ".svg", ".webp"];
 // Names of languages as the highlighter of mdBook knows them; its `javascript` reads Rhai.
 const LANGUAGES = { ".toml": "toml", ".rhai": "javascript", ".rs": "rust", ".json": "json", ".py": "python" };
 

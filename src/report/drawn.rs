@@ -234,7 +234,12 @@ pub(crate) fn ranges(heading: &str, look: RangeLook, lines: &[Line]) -> String {
     let ends = match look {
         RangeLook::Bars => String::new(),
         RangeLook::Dots => {
-            let ends = [low, 0.5 * (low + high), high].map(|value| format!("<span>{}</span>", written::digits(value)));
+            // As many digits as tell them apart.
+            let size = low.abs().max(high.abs()) / (high - low);
+            let figures = written::DIGITS.max(size.log10().ceil() as usize + 2);
+            let ends =
+                [low, 0.5 * (low + high), high].map(|value| significant(value, figures).replace('-', "\u{2212}"));
+            let ends = ends.map(|end| format!("<span>{end}</span>"));
             format!("<p class=\"axis\" aria-hidden=\"true\"><span class=\"ends\">{}</span></p>\n", ends.concat())
         }
     };
@@ -346,6 +351,9 @@ mod tests {
         assert!(
             html.contains("title=\"truth 5\"") && html.contains("class=\"dot\"") && html.contains("class=\"axis\"")
         );
+        let narrow = Line { value: Some(12.01), interval: Some([11.96, 12.06]), ..Line::default() };
+        let html = ranges("", RangeLook::Dots, &[narrow]);
+        assert_eq!(html.matches("<span>12.01</span>").count(), 1, "{html}");
         assert_eq!(axis(RangeLook::Dots, &[Line { value: Some(2.0), ..Line::default() }]), [1.0, 3.0]);
         assert_eq!(axis(RangeLook::Dots, &[]), [0.0, 1.0]);
     }

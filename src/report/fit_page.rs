@@ -10,6 +10,8 @@ use plot::{Correlation, Plot};
 pub struct FitPage<'a> {
     /// Heading.
     pub title: &'a str,
+    /// How well the law fits, in a sentence.
+    pub answer: String,
     /// Heading, names of the columns and rows of each table.
     pub tables: Vec<FitTable>,
     /// Measured and fitted curves, and residuals.
@@ -47,5 +49,5 @@ pub fn fit_page(fit: &FitPage<'_>) -> String {
         html::section("Correlations", &matrix.unwrap_or_default()),
         html::section("Material", &fit.material.map(html::verbatim).unwrap_or_default()),
     ];
-    html::finished(fit.title, "", &parts)
+    html::finished(fit.title, &fit.answer, &parts)
 }

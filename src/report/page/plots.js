@@ -203,11 +203,17 @@
 
     draw() {
       const css = (element, property) => getComputedStyle(element)[property];
+      const pen = document.createElement("canvas").getContext("2d");
+      const room = { x: this.size().width - 60, y: this.size().height - 40 };
+      const fitting = (scale) => {
+        pen.font = "12px system-ui, sans-serif";
+        return Math.max(Math.min(12, (12 * room[scale]) / pen.measureText(this.axes[scale].words).width), 8);
+      };
       const axis = (scale, size) => ({
         scale,
         label: this.axes[scale].words,
         labelSize: 20,
-        labelFont: "12px system-ui, sans-serif",
+        labelFont: `${fitting(scale)}px system-ui, sans-serif`,
         font: "12px system-ui, sans-serif",
         stroke: () => css(this.at, "color"),
         grid: { stroke: () => css(this.element, "borderTopColor"), width: 1 },
