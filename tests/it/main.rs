@@ -22,6 +22,8 @@ mod gltf;
 mod golden;
 mod graded_mesh;
 mod guide;
+#[cfg(unix)]
+mod hints;
 mod identification;
 #[cfg(unix)]
 mod links;
