@@ -78,7 +78,10 @@ pub struct Scenario {
     pub reference: Option<Reference>,
     /// Processing of the results.
     pub post: Option<Post>,
-    /// What varies from run to run of `droptower sweep`; other commands leave it out.
+    /// What varies from run to run of `droptower sweep`; other commands leave it out. Each key, in quotes, has a list of values,
+    /// `{ range = ["1 m", "2 m"], count = 5 }` or a distribution: `{ uniform = [low, high] }`,
+    /// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
+    /// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
     pub variation: Option<Variation>,
 }
 
