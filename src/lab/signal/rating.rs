@@ -249,7 +249,9 @@ fn magnitude_rating(reference: &[f64], comparison: &[f64]) -> f64 {
 
 at_width! {
     /// Sums of the absolute difference and of the absolute reference along the cheapest path.
-    fn warped[](reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] = warped_lanewise
+    fn warped[](reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
+        warped_lanewise(reference, comparison, band)
+    }
 }
 
 #[inline(always)]
@@ -464,7 +466,9 @@ fn correlation(r: &[f64], c: &[f64], [r_sum, r_squares]: [f64; 2], [c_sum, c_squ
 
 at_width! {
     /// Scalar product, summed in lanes.
-    fn dot[](a: &[f64], b: &[f64]) -> f64 = dot_lanewise
+    fn dot[](a: &[f64], b: &[f64]) -> f64 {
+        dot_lanewise(a, b)
+    }
 }
 
 #[inline(always)]
