@@ -93,11 +93,19 @@ impl ScriptArgs {
 
     /// A fault of the script, in a study at the line of its file.
     fn fault(&self, fault: &Fault) -> Diagnostic {
-        let own = script(fault);
-        match self.study.as_ref().filter(|_| fault.file == self.path()) {
-            Some(study) => Diagnostic { span: None, ..own }.at(&study.place(fault.line)),
-            None => own,
+        located(fault, self.path(), self.study.as_deref())
+    }
+}
+
+/// A fault of the script at `path`, which a study may stand for.
+fn located(fault: &Fault, path: &Path, study: Option<&StudyFile>) -> Diagnostic {
+    let own = script(fault);
+    match study.filter(|_| fault.file == path) {
+        Some(study) => {
+            let place = study.place(fault.line, &own.message);
+            Diagnostic { span: None, ..own }.at(&place)
         }
+        None => own,
     }
 }
 
@@ -161,17 +169,25 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let changes = args.given.changes.assignments()?;
-    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::new(&args.store)), &host, &collector);
+    let engine = engine(changes.clone(), &Arc::new(Evaluations::new(&args.store)), &host, &collector);
     compiled(args, &engine, place)?;
     if let Some(study) = &args.study {
-        // What a study reads before its first run is read.
-        calibrate::register_check(&mut engine, &Scenarios { changes, evaluations: None });
-        let faults = |faults: Vec<Fault>| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>();
-        let program = Script::compile(&engine, &Scope::new(), args.path(), study.beginning()).map_err(faults)?;
-        program.run(&engine, Scope::new()).map_err(|fault| Failure::from(args.fault(&fault)))?;
+        check_study(study, args.path(), changes)?;
     }
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
+}
+
+/// Reads what the study at `path` reads before its first run.
+pub(crate) fn check_study(study: &StudyFile, path: &Path, changes: Vec<Assignment>) -> Result<(), Failure> {
+    let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
+    let evaluations = Arc::new(Evaluations::new(Path::new(store::EVALUATIONS)));
+    let mut engine = engine(changes.clone(), &evaluations, &host, &collector);
+    calibrate::register_check(&mut engine, &Scenarios { changes, evaluations: None });
+    let diagnostic = |fault: &Fault| located(fault, path, Some(study));
+    let program = Script::compile(&engine, &Scope::new(), path, study.beginning());
+    let program = program.map_err(|faults| faults.iter().map(diagnostic).collect::<Vec<_>>())?;
+    program.run(&engine, Scope::new()).map(drop).map_err(|fault| Failure::from(diagnostic(&fault)))
 }
 
 /// The answer of a process that computed a part of a study.

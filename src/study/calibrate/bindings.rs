@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::angles::{self, Angles};
 use super::candidates;
+use super::file;
 use super::fit::{self, Fit, LINEAR};
 use super::left_out;
 use super::parameter::{self, Role, Unknown, texts};
@@ -25,22 +26,19 @@ use crate::script::{
 use base::finding::Finding;
 use uncertainty::statistics::quantiles;
 
-const OF_POSTERIOR: [&str; 6] = ["hierarchy", "scatter", "runs", "rounds", "steps", "seed"];
-const OF_PREDICT: [&str; 6] = ["samples", "figures", "signals", "above", "errors", "seed"];
-
 /// What scripts are checked against before they run, since a search takes long.
 const DECLARED: [CallOptions; 6] = [
-    CallOptions { of: "calibrate", function: "calibrate", inside: None, names: &[&plan::OPTIONS] },
-    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: &[&test::OPTIONS] },
+    CallOptions { of: "calibrate", function: "calibrate", inside: None, names: file::options },
+    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: file::test_options },
     CallOptions {
         of: "a parameter of calibrate",
         function: "calibrate",
         inside: Some("parameters"),
-        names: &[&parameter::OPTIONS, &parameter::CURVE_OPTIONS],
+        names: || [&file::parameter_options()[..], &parameter::CURVE_OPTIONS].concat(),
     },
-    CallOptions { of: "posterior", function: "posterior", inside: None, names: &[&OF_POSTERIOR] },
-    CallOptions { of: "predict", function: "predict", inside: None, names: &[&OF_PREDICT] },
-    CallOptions { of: "angles", function: "angles", inside: None, names: &[&angles::OPTIONS] },
+    CallOptions { of: "posterior", function: "posterior", inside: None, names: file::posterior_options },
+    CallOptions { of: "predict", function: "predict", inside: None, names: file::predict_options },
+    CallOptions { of: "angles", function: "angles", inside: None, names: || angles::OPTIONS.into() },
 ];
 
 /// The result of a calibration in a script. Cheap to clone.
@@ -380,7 +378,7 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
 
 /// `#{ scatter, runs, rounds, steps, seed }`, and what scatters over specimens.
 fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) -> HostResult<PosteriorOptions> {
-    options.check(&OF_POSTERIOR)?;
+    options.check(&file::posterior_options())?;
     let scatter = options.map.get("scatter").map(|given| number(given, "scatter")).transpose()?;
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
@@ -406,7 +404,7 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
 
 /// `#{ samples, figures, signals, above, errors, seed }`.
 fn asked(options: &Options<'_>) -> HostResult<Asked> {
-    options.check(&OF_PREDICT)?;
+    options.check(&file::predict_options())?;
     let list = |name: &str| -> HostResult<Vec<String>> {
         options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
     };

@@ -1,25 +1,84 @@
 //! A calibration as a file: tests, parameters, and what follows for other scenarios, in TOML (docs/calibration.md).
 //!
-//! The file becomes the calls of a script that has the same specification, a line an entry, so that a mistake in a line is one of
-//! the file's line. Scenarios that are predicted, and candidates, are read before the calibration, which takes long.
+//! `study.schema.json` has every key with its sentence: the checks, `droptower explain` and the options of `calibrate` in scripts
+//! follow from it. The file becomes the calls of a script that has the same specification, a line an entry, so that a mistake in a
+//! line is one of the file's line. Scenarios that are predicted, and candidates, are read before the calibration, which takes long.
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use base::diagnostic::{Diagnostic, Source, Span, closest};
 use base::file;
-use scene::scenario::{Node, Table, Value, parse_tree};
+use scene::scenario::grammar::{self, TableRule};
+use scene::scenario::{Entry, Node, Rule, Table, Value, parse_tree, schema_for_editors, validate};
+use serde_json::Value as Json;
 
-use super::plan;
+use super::test::found_column;
 
 /// Most bytes of a study.
 const MOST_BYTES: u64 = 4 << 20;
 
 /// Keys of the file that are no options of `calibrate`.
-const OWN: [&str; 6] = ["test", "parameters", "posterior", "predict", "candidate", "left_out"];
+const FOLLOW: [&str; 4] = ["posterior", "predict", "candidate", "left_out"];
 /// Keys whose texts are paths, seen from the file.
 const PATHS: [&str; 4] = ["scenario", "scenarios", "candidate", "recordings"];
+/// Keys of a test that a candidate, which was not made, does not have.
+const OF_MADE: [&str; 5] = ["recordings", "own", "outcome", "failure_mass", "rupture_time"];
+
+/// Keys, sentences and values of a study.
+static SCHEMA: LazyLock<Json> = LazyLock::new(|| {
+    let mut schema: Json = serde_json::from_str(include_str!("study.schema.json")).unwrap_or_default();
+    let mut candidate = schema["properties"]["test"]["items"].clone();
+    if let Some(keys) = candidate["properties"].as_object_mut() {
+        OF_MADE.iter().for_each(|key| drop(keys.shift_remove(*key)));
+    }
+    schema["properties"]["candidate"]["items"] = candidate;
+    schema
+});
+
+/// The schema of a study for editors.
+pub fn schema() -> Json {
+    schema_for_editors(SCHEMA.clone())
+}
+
+/// The rule of a study.
+pub fn rule() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| grammar::compile(&SCHEMA));
+    &RULE
+}
+
+/// The names of the keys of a table, in their order.
+fn names(table: Option<&'static TableRule>) -> impl Iterator<Item = &'static str> {
+    table.into_iter().flat_map(|table| &table.keys).map(|key| key.name.as_str())
+}
+
+/// Options of `calibrate`.
+pub(super) fn options() -> Vec<&'static str> {
+    let own = names(rule().table()).filter(|name| !FOLLOW.contains(name));
+    own.map(|name| if name == "test" { "tests" } else { name }).collect()
+}
+
+/// Options of a test.
+pub(super) fn test_options() -> Vec<&'static str> {
+    names(rule().at("test.0").and_then(Rule::table)).collect()
+}
+
+/// Options of a parameter that is no curve.
+pub(super) fn parameter_options() -> Vec<&'static str> {
+    let parameters = rule().at("parameters").and_then(Rule::table);
+    names(parameters.and_then(|table| table.others.as_deref()).and_then(Rule::table)).collect()
+}
+
+/// Options of `posterior`.
+pub(super) fn posterior_options() -> Vec<&'static str> {
+    names(rule().at("posterior").and_then(Rule::table)).collect()
+}
+
+/// Options of `predict`.
+pub(super) fn predict_options() -> Vec<&'static str> {
+    names(rule().at("predict").and_then(Rule::table)).filter(|name| *name != "scenarios").collect()
+}
 
 /// A study that was read.
 #[derive(Debug)]
@@ -30,6 +89,8 @@ pub struct StudyFile {
     called: usize,
     /// Of each of its lines the place in the file.
     places: Vec<Span>,
+    /// What tests are called, and where each stands.
+    tests: Vec<(String, Span)>,
     /// The file.
     pub source: Arc<Source>,
 }
@@ -50,7 +111,7 @@ impl StudyFile {
             script: String::new(),
             called: 0,
             places: Vec::new(),
-            mistakes: Vec::new(),
+            mistakes: validate(&node, rule()),
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             first: Span::line(&source, 1),
         };
@@ -58,7 +119,12 @@ impl StudyFile {
             writer.study(table);
         }
         let Writer { script, called, places, mistakes, .. } = writer;
-        if mistakes.is_empty() { Ok(StudyFile { script, called, places, source }) } else { Err(mistakes) }
+        let tests = node.find("test").map_or(&[][..], items).iter();
+        let tests = tests.filter_map(|test| Some((called_as(test)?.to_owned(), test.find("scenario")?.span.clone())));
+        match mistakes.is_empty() {
+            true => Ok(StudyFile { script, called, places, tests: tests.collect(), source }),
+            false => Err(mistakes),
+        }
     }
 
     /// The script until the call that calibrates: what reads scenarios, recordings, parameters and options.
@@ -66,10 +132,15 @@ impl StudyFile {
         &self.script[..self.called]
     }
 
-    /// The place in the file of a line of the script.
-    pub fn place(&self, line: usize) -> Span {
-        let place = line.checked_sub(1).and_then(|line| self.places.get(line));
-        place.cloned().unwrap_or_else(|| Span::line(&self.source, 1))
+    /// The place in the file of a line of the script, or of the test that a message about it names.
+    pub fn place(&self, line: usize, message: &str) -> Span {
+        let named = message.strip_prefix("test `").and_then(|rest| rest.split_once('`'));
+        let is_named = |(own, _): &&(String, Span)| named.is_some_and(|(name, _)| name.ends_with(own.as_str()));
+        let of_line = || line.checked_sub(1).and_then(|line| self.places.get(line)).cloned();
+        match self.tests.iter().find(is_named).map(|(_, span)| span.clone()) {
+            Some(test) => test,
+            None => of_line().unwrap_or_else(|| Span::line(&self.source, 1)),
+        }
     }
 }
 
@@ -86,57 +157,23 @@ struct Writer {
 
 impl Writer {
     fn study(&mut self, table: &Table) {
-        for entry in &table.entries {
-            let key = entry.key.as_str();
-            let names = || OWN.iter().chain(plan::OPTIONS.iter().filter(|own| **own != "tests")).copied();
-            if !names().any(|own| own == key) {
-                let mistake = Diagnostic::new(format!("a study has no key `{key}`")).at(&entry.key_span);
-                let hint = closest(key, names()).map(|own| format!("did you mean `{own}`?"));
-                self.mistakes.push(Diagnostic { hint, ..mistake });
-            }
-        }
-        for (key, example) in
-            [("test", "[[test]]\nscenario = \"drop.toml\""), ("parameters", "[parameters]\nk1 = { key = \"…\", … }")]
-        {
-            if table.get(key).is_none() {
-                let mistake = Diagnostic::new(format!("a study needs `{key}`")).at(&self.first);
-                self.mistakes.push(mistake.hint(example.replace('\n', " ")));
-            }
-        }
-        self.check_shapes(table);
-        if let Some(candidates) = table.get("candidate") {
-            self.line("let candidates =", &candidates.key_span);
-            self.value(&candidates.node, "candidate", true);
-            self.line(";", &candidates.key_span);
-        }
+        self.check_names(table);
         let predict = table.get("predict").and_then(|entry| match &entry.node.value {
             Value::Table(table) => Some((entry, table)),
-            _ => {
-                let mistake = Diagnostic::new("`predict` is a table").at(&entry.node.span);
-                self.mistakes.push(mistake.hint("[predict] scenarios = [\"head-50.toml\"]"));
-                None
-            }
+            _ => None,
         });
-        if let Some((entry, predict)) = predict {
-            match predict.get("scenarios") {
-                Some(scenarios) => {
-                    self.line("let predicted =", &scenarios.key_span);
-                    self.value(&scenarios.node, "scenarios", true);
-                    self.line(";", &scenarios.key_span);
-                }
-                None => {
-                    let mistake = Diagnostic::new("`predict` names no `scenarios`").at(&entry.key_span);
-                    self.mistakes.push(mistake.hint("scenarios = [\"head-50.toml\"]"));
-                }
+        let candidates = table.get("candidate");
+        let predicted = predict.and_then(|(_, predict)| predict.get("scenarios"));
+        for (name, read) in [("candidates", candidates), ("predicted", predicted)] {
+            if let Some(entry) = read {
+                self.line(&format!("let {name} ="), &entry.key_span);
+                self.value(&entry.node, &entry.key, true);
+                self.line(";", &entry.key_span);
             }
         }
         let first = self.first.clone();
         self.line("let study = calibrate(#{", &first);
-        for entry in table
-            .entries
-            .iter()
-            .filter(|entry| entry.key == "test" || !OWN.contains(&entry.key.as_str()) || entry.key == "parameters")
-        {
+        for entry in table.entries.iter().filter(|entry| !FOLLOW.contains(&entry.key.as_str())) {
             let name = if entry.key == "test" { "tests" } else { &entry.key };
             self.entry(name, &entry.node, &entry.key_span);
         }
@@ -151,7 +188,7 @@ impl Writer {
             let others = Node::new(Value::Table(others), entry.node.span.clone());
             self.call("study.predict(predicted,", others, &entry.key_span);
         }
-        if let Some(candidates) = table.get("candidate") {
+        if let Some(candidates) = candidates {
             self.line("study.settles(candidates);", &candidates.key_span);
         }
         match table.get("left_out").map(|entry| (&entry.node.value, entry)) {
@@ -162,36 +199,29 @@ impl Writer {
         self.line("study.page();", &first);
     }
 
-    /// What is known to be wrong before a search that takes long: tables that are none, and names that nothing has.
-    fn check_shapes(&mut self, table: &Table) {
-        let is_table = |node: &Node| matches!(node.value, Value::Table(_));
-        for key in ["parameters", "posterior"] {
-            if let Some(entry) = table.get(key).filter(|entry| !is_table(&entry.node)) {
-                self.mistakes.push(Diagnostic::new(format!("`{key}` is a table: [{key}]")).at(&entry.node.span));
+    /// Names that nothing has are mistakes before a search that takes long.
+    fn check_names(&mut self, table: &Table) {
+        let of = |key: &str| table.get(key).map_or(&[][..], |entry| items(&entry.node));
+        for test in of("test").iter().chain(of("candidate")) {
+            for own in ["compare", "over"].into_iter().filter_map(|key| test.find(key)).flat_map(one_or_several) {
+                let message = text(own).filter(|name| *name != "time").and_then(|name| found_column(name).err());
+                self.mistakes.extend(message.map(|message| Diagnostic::new(message).at(&own.span)));
             }
         }
-        for key in ["test", "candidate"] {
-            if let Some(entry) = table.get(key).filter(|entry| !matches!(entry.node.value, Value::List(_))) {
-                self.mistakes
-                    .push(Diagnostic::new(format!("`{key}` is a list of tables: [[{key}]]")).at(&entry.key_span));
-            }
-        }
-        let tests = table.get("test").map_or(&[][..], |entry| items(&entry.node));
-        let names: Option<Vec<&str>> = tests.iter().map(|test| test.find("name").and_then(text)).collect();
-        let parameters: Vec<&str> = match table.get("parameters").map(|entry| &entry.node.value) {
-            Some(Value::Table(table)) => table.entries.iter().map(|entry| entry.key.as_str()).collect(),
+        let parameters: Vec<&Entry> = match table.get("parameters").map(|entry| &entry.node.value) {
+            Some(Value::Table(table)) => table.entries.iter().collect(),
             _ => Vec::new(),
         };
+        let known: Vec<&str> = parameters.iter().map(|entry| entry.key.as_str()).collect();
+        let hierarchy = table.get("posterior").and_then(|entry| entry.node.find("hierarchy"));
+        let own = of("test").iter().filter_map(|test| test.find("own"));
+        self.known(hierarchy.into_iter().chain(own).flat_map(one_or_several), &known, "parameter");
         // Tests without a name have that of their scenario.
-        if let (Some(names), Some(left_out)) = (names, table.get("left_out")) {
-            let groups = items(&left_out.node).iter().flat_map(|own| match items(own) {
-                [] => std::slice::from_ref(own),
-                group => group,
-            });
-            self.known(groups, &names, "test");
-        }
-        if let Some(hierarchy) = table.get("posterior").and_then(|entry| entry.node.find("hierarchy")) {
-            self.known(items(hierarchy).iter(), &parameters, "parameter");
+        let names: Option<Vec<&str>> = of("test").iter().map(|test| test.find("name").and_then(text)).collect();
+        if let Some(names) = names {
+            let left_out = of("left_out").iter().flat_map(one_or_several);
+            let of_parameters = parameters.iter().filter_map(|own| own.node.find("tests")).flat_map(one_or_several);
+            self.known(left_out.chain(of_parameters), &names, "test");
         }
     }
 
@@ -304,6 +334,17 @@ impl Writer {
     }
 }
 
+/// The entries of a list, or the value itself.
+fn one_or_several(node: &Node) -> &[Node] {
+    if let Value::List(items) = &node.value { items } else { std::slice::from_ref(node) }
+}
+
+/// What a test is called: its name, or the name of its scenario's file.
+fn called_as(test: &Node) -> Option<&str> {
+    let of_file = || test.find("scenario").and_then(text).and_then(|path| Path::new(path).file_stem()?.to_str());
+    test.find("name").and_then(text).or_else(of_file)
+}
+
 /// The entries of a list; none of another value.
 fn items(node: &Node) -> &[Node] {
     if let Value::List(items) = &node.value { items } else { &[] }
@@ -369,7 +410,7 @@ mod tests {
                 .lines()
                 .position(|line| line.contains(text))
                 .unwrap_or_else(|| panic!("{text}: {}", found.script));
-            found.place(line + 1).line_number()
+            found.place(line + 1, "").line_number()
         };
         let lines = [
             ("\"precision\"", 1),
@@ -389,34 +430,65 @@ mod tests {
         assert!(at("study.posterior(") < at("study.predict("));
     }
 
+    /// Keys, kinds and names, each at its value and all at once.
     #[test]
-    fn mistakes_have_their_lines() {
-        for (text, message, hint) in [
+    fn mistakes_have_their_places() {
+        let test = "[[test]]\nscenario = \"head.toml\"\n";
+        let parameters = "[parameters]\nk = { key = \"a\", start = 1, within = [0, 2] }\n";
+        for (text, expected) in [
             (
-                "[[test]]\nscenario = 1\n[parameters]\n[posteriors]\n",
-                "a study has no key `posteriors`",
-                "did you mean `posterior`?",
+                format!("{test}{parameters}[posteriors]\n"),
+                &[("unknown key `posteriors`", "did you mean `posterior`?", 5)][..],
             ),
-            ("[[test]]\nscenario = 1\n", "a study needs `parameters`", "[parameters] k1 = "),
-            ("[parameters]\n", "a study needs `test`", "[[test]] scenario"),
-            ("[[test]]\nrecordings = \"none-*.csv\"\n[parameters]\n", "no file matches ", ""),
-            ("[[test]]\n[parameters]\n[predict]\nsamples = 3\n", "`predict` names no `scenarios`", "scenarios = "),
-            ("[[test]]\nprecision = nan\n[parameters]\n", "expected a finite number", ""),
-            ("[[test]\n", "", ""),
-            ("posterior = 3\n[[test]]\n[parameters]\n", "`posterior` is a table", ""),
-            ("[candidate]\n[[test]]\n[parameters]\n", "`candidate` is a list of tables", ""),
+            (test.into(), &[("missing key `parameters`", "", 1)]),
+            (parameters.into(), &[("missing key `test`", "", 1)]),
+            (format!("{test}recordings = \"none-*.csv\"\n{parameters}"), &[("no file matches ", "", 3)]),
+            (format!("{test}{parameters}[predict]\nsamples = 3\n"), &[("missing key `predict.scenarios`", "", 5)]),
             (
-                "left_out = [[\"a\"], \"c\"]\n[[test]]\nname = \"a\"\n[[test]]\nname = \"b\"\n[parameters]\n",
-                "there is no test `c`",
-                "",
+                format!("precision = nan\nnoise = 3\n{test}comparing = \"x\"\nweight = \"2\"\n{parameters}"),
+                &[
+                    ("expected a finite number", "", 1),
+                    ("out of range", "", 2),
+                    ("unknown key `comparing`", "", 5),
+                    ("expected a number, found \"2\"", "", 6),
+                ],
             ),
-            ("[[test]]\nscenario = \"none.toml\"\n[parameters]\n", "there is no file ", ""),
+            ("[[test]\n".into(), &[("", "", 1)]),
+            (format!("posterior = 3\n{test}{parameters}"), &[("expected a table, found 3", "", 1)]),
+            (
+                format!("{test}compare = \"forse\"\n{parameters}"),
+                &[("there is no signal `forse` (did you mean `force`?)", "", 3)],
+            ),
+            (format!("{test}own = \"l\"\n{parameters}"), &[("there is no parameter `l`", "", 3)]),
+            (
+                format!("left_out = [[\"a\"], \"c\"]\n{test}name = \"a\"\n{test}name = \"b\"\n{parameters}"),
+                &[("there is no test `c`", "", 1)],
+            ),
+            (
+                format!("{test}{parameters}[[candidate]]\nscenario = \"a.toml\"\nrecordings = \"a.csv\"\n"),
+                &[("unknown key `recordings`", "", 7), ("there is no file ", "", 6)],
+            ),
         ] {
-            let found = read(text).expect_err(text);
-            let is = |own: &Diagnostic| {
-                own.message.contains(message) && own.hint.as_deref().unwrap_or("").contains(hint) && own.span.is_some()
-            };
-            assert!(found.iter().any(is), "{text}: {found:?}");
+            let found = read(&text).expect_err(&text);
+            for (message, hint, line) in expected {
+                let is = |own: &Diagnostic| {
+                    let at = own.span.as_ref().map(Span::line_number);
+                    own.message.contains(message)
+                        && own.hint.as_deref().unwrap_or("").contains(hint)
+                        && at == Some(*line)
+                };
+                assert!(found.iter().any(is), "{message} in {text}: {found:?}");
+            }
         }
+    }
+
+    /// The schema is that of the options that scripts have.
+    #[test]
+    fn options_of_scripts_are_keys_of_the_file() {
+        assert_eq!(options()[..3], ["tests", "parameters", "noise"]);
+        assert_eq!(test_options()[..3], ["scenario", "name", "set"]);
+        assert_eq!(parameter_options(), ["key", "start", "within", "log", "prior", "tests", "scatter"]);
+        assert_eq!(posterior_options().len() + predict_options().len(), 12);
+        assert!(rule().at("candidate.0.compare").is_some() && rule().at("candidate.0.recordings").is_none());
     }
 }

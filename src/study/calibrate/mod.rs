@@ -28,5 +28,5 @@ mod verdict;
 mod warning;
 
 pub use bindings::{register, register_check};
-pub use file::StudyFile;
+pub use file::{StudyFile, rule, schema};
 pub use warning::CODES;

@@ -1,8 +1,9 @@
 //! Signals in scripts, and measures of them.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
+use serde_json::json;
 
-use crate::script::{Compared, HostResult, Session, number, refuse, window};
+use crate::script::{Compared, HostResult, Session, number, refuse, shown, window};
 use lab::signal::clip::{self, Counting};
 use lab::signal::filter::{self, Standard};
 use lab::signal::{Series, hic, integrate, norm, rating, resample};
@@ -168,23 +169,16 @@ fn clip(s: &Series, duration: &Dynamic, counting: Counting) -> HostResult<f64> {
     found.map(|clip| clip.level).map_err(refuse)
 }
 
-fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Map> {
+fn rate(context: NativeCallContext, reference: Series, comparison: Series) -> HostResult<Dynamic> {
     let rating = rating::rate(&reference, &comparison).map_err(refuse)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
     Session::from_context(&context).add_comparison(|| Compared::signals(&comparison, &reference, all));
-    let notes: Array = rating.warnings.iter().map(|warning| Dynamic::from(warning.to_string())).collect();
-    let entries: [(&str, Dynamic); 9] = [
-        ("corridor", rating.corridor.into()),
-        ("phase", rating.phase.into()),
-        ("magnitude", rating.magnitude.into()),
-        ("slope", rating.slope.into()),
-        ("overall", rating.overall.into()),
-        ("grade", rating.grade.to_string().into()),
-        ("shift", rating.shift.into()),
-        ("samples", (rating.samples as INT).into()),
-        ("notes", notes.into()),
-    ];
-    Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect())
+    let notes: Vec<String> = rating.warnings.iter().map(ToString::to_string).collect();
+    Ok(shown(&json!({
+        "corridor": rating.corridor, "phase": rating.phase, "magnitude": rating.magnitude, "slope": rating.slope,
+        "overall": rating.overall, "grade": rating.grade.to_string(), "shift": rating.shift, "samples": rating.samples,
+        "notes": notes,
+    })))
 }
 
 fn resampled(s: &mut Series, step: Dynamic) -> HostResult<Series> {

@@ -132,7 +132,7 @@ fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) ->
             for options in known.iter().filter(|options| options.function == call.name.as_str()) {
                 let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
                 for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
-                    if !options.names.iter().any(|names| names.contains(&key.name.as_str())) {
+                    if !(options.names)().contains(&key.name.as_str()) {
                         found.push((*options, key.name.to_string(), key.pos));
                     }
                 }
@@ -143,10 +143,11 @@ fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) ->
     found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
     let fault = |(options, key, position): (CallOptions, String, Position)| {
         let message = format!("{} has no option `{key}`", options.of);
-        let names = || options.names.iter().copied().flatten().copied();
+        let names = (options.names)();
         let gone = removed::function(&format!("{}.{key}", options.function));
-        let hint = gone.or_else(|| closest(&key, names()).map(|close| format!("did you mean `{close}`?")));
-        let known = || format!("it takes {}", names().collect::<Vec<_>>().join(", "));
+        let close = || closest(&key, names.iter().copied()).map(|close| format!("did you mean `{close}`?"));
+        let hint = gone.or_else(close);
+        let known = || format!("it takes {}", names.join(", "));
         Fault::located(&unit.source, position, message).with_hint(Some(hint.unwrap_or_else(known)))
     };
     found.into_iter().map(fault).collect()
@@ -301,10 +302,10 @@ mod tests {
         engine.register_fn("fit", |_: Map| {}).register_fn("draw", |_: Array, _: Map| {});
         let session = Session::of_engine(&engine);
         let of = |of, function, inside, names| CallOptions { of, function, inside, names };
-        session.declare_options(of("fit", "fit", None, &[&["tests", "share"], &["parameters"]]));
-        session.declare_options(of("a test of fit", "fit", Some("tests"), &[&["weight"]]));
-        session.declare_options(of("a parameter of fit", "fit", Some("parameters"), &[&["start"]]));
-        session.declare_options(of("draw", "draw", None, &[&["samples"]]));
+        session.declare_options(of("fit", "fit", None, || vec!["tests", "share", "parameters"]));
+        session.declare_options(of("a test of fit", "fit", Some("tests"), || vec!["weight"]));
+        session.declare_options(of("a parameter of fit", "fit", Some("parameters"), || vec!["start"]));
+        session.declare_options(of("draw", "draw", None, || vec!["samples"]));
         let found = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).err().unwrap_or_default();
         found.iter().map(Fault::to_string).collect()
     }

@@ -28,5 +28,5 @@ pub use plots::{Compared, ConvergenceHistory, Fit, Iterate, Over, Target};
 pub(crate) use session::catch as catch_panics;
 pub(crate) use session::check_stop;
 pub use session::{CallOptions, Fields, Session, Trial, silence_panics};
-pub use values::{Arguments, Options, findings_map, from_json, number, to_json, window};
+pub use values::{Arguments, Options, findings_map, from_json, number, record, shown, to_json, window};
 pub use warning::{CODES, Warning};

@@ -16,7 +16,7 @@ fuzz_target!(|input: &[u8]| {
             engine.set_max_expr_depths(0, 0);
             let program = engine.compile(&study.script);
             assert!(program.is_ok(), "{:?} in {}", program.err(), study.script);
-            (0..=study.script.lines().count() + 1).for_each(|line| drop(study.place(line)));
+            (0..=study.script.lines().count() + 1).for_each(|line| drop(study.place(line, "")));
         }
         Err(mistakes) => drop(show(&mistakes)),
     });
