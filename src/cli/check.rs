@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::failure::refuse;
 use crate::scenarios::{self, Selection};
-use crate::{Failure, Shared, print_json, print_unless_quiet, script, terminal};
+use crate::{Failure, Shared, print_json, print_unless_quiet, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number;
@@ -16,6 +16,7 @@ use scene::model::{self, Guide, Impactor, Variation};
 use scene::scenario::{Assignment, Document};
 use scene::simulate;
 use study::calibrate::StudyFile;
+use study::scenario_functions::Scenarios;
 use study::sweep;
 
 /// Significant digits of lengths and moments.
@@ -89,8 +90,8 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
 fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let document = Document::read(path);
     if document.as_ref().is_ok_and(is_study) {
-        let study = StudyFile::read(path)?;
-        return script::check_study(&study, path, assignments.to_vec()).map(|()| Facts::default());
+        StudyFile::read(path)?.check(&Scenarios { changes: assignments.to_vec(), evaluations: None })?;
+        return Ok(Facts::default());
     }
     if !document.is_ok_and(|document| document.is_material()) {
         let checked = scenarios::check(path, assignments)?;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::angles::{self, Angles};
 use super::candidates;
-use super::file;
+use super::file::{self, StudyFile};
 use super::fit::{self, Fit, LINEAR};
 use super::left_out;
 use super::parameter::{self, Role, Unknown, texts};
@@ -124,16 +124,22 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_fn("page", |own: &mut Calibration| own.page());
 }
 
-/// Makes `calibrate` read its tests, parameters and options and search for nothing: a study is checked so.
-pub fn register_check(engine: &mut Engine, scenarios: &Scenarios) {
-    let scenarios = scenarios.clone();
-    engine.register_fn("calibrate", move |context: NativeCallContext, options: Map| -> HostResult<()> {
-        Plan::read(&options, &scenarios, &Session::from_context(&context)).map(drop)
+/// Offers the function of [`StudyFile::SCRIPT`], which runs a study.
+pub fn register_study(
+    engine: &mut Engine,
+    study: &Arc<StudyFile>,
+    scenarios: &Scenarios,
+    host: &SearchHost,
+    collector: &OutputCollector,
+) {
+    let (study, scenarios, host, collector) = (Arc::clone(study), scenarios.clone(), host.clone(), collector.clone());
+    engine.register_fn("calibrate_study", move |context: NativeCallContext| {
+        study.run(&scenarios, &host, &collector, &Session::from_context(&context))
     });
 }
 
 impl Calibration {
-    fn new(
+    pub(super) fn new(
         options: &Map,
         scenarios: &Scenarios,
         host: &SearchHost,
@@ -194,7 +200,7 @@ impl Calibration {
     }
 
     /// Samples the posterior; its rows.
-    fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let options = Options { of: "posterior", map: options };
         let scattered = scattered(plan, &options)?;
@@ -224,7 +230,7 @@ impl Calibration {
     }
 
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
-    fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
+    pub(super) fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
         let Parts { plan, host, .. } = &*self.0;
         let asked = asked(&Options { of: "predict", map: options })?;
         // A scenario that cannot be read is known before the posterior is sampled.
@@ -281,7 +287,7 @@ impl Calibration {
     }
 
     /// What each candidate would tell beside the tests.
-    fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
         let candidates::Compared { rows, advice } = candidates::compared(given, plan, fit, scenarios, session)?;
         if let Some(advice) = advice {
@@ -294,7 +300,7 @@ impl Calibration {
     }
 
     /// How well tests are predicted by fits without them.
-    fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         if groups.is_empty() {
@@ -329,7 +335,7 @@ impl Calibration {
     }
 
     /// Plots of every test, measured and calibrated, of the posterior and of predictions.
-    fn page(&self) -> HostResult<()> {
+    pub(super) fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         let derived = self.derived();
         let pairs = derived.posterior.iter().flat_map(rows::pairs);
