@@ -17,7 +17,6 @@ pub mod script;
 pub mod functions;
 pub mod field_comparison;
 pub mod post;
-mod build_name;
 pub mod evaluate;
 pub mod scenario_functions;
 pub mod identify;

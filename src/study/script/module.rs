@@ -16,8 +16,7 @@ use rhai::{
 };
 use thiserror::Error;
 
-use super::rules;
-use crate::script::Fault;
+use crate::script::{Fault, checks};
 use base::diagnostic::{closest, shown_path};
 use base::file;
 
@@ -110,7 +109,7 @@ pub(super) fn load(
     loader.follow(0, &mut Vec::new());
     let Loader { units, mut faults, .. } = loader;
     if faults.is_empty() {
-        faults = rules::broken(&units);
+        faults = checks::broken(&units);
     }
     if faults.is_empty() { Ok(units) } else { Err(faults) }
 }
@@ -416,8 +415,8 @@ mod tests {
     use crate::script::{Fault, Limits, Script, Session, engine};
 
     const FILM: &str = "import \"base\" as base;\nconst OPEN = base::TEN - 3;\nfn scaled(x) { base::twice(helper(x)) }\n\
-    private fn helper(x) { x + 100 }\nfn each(list, f) { list.map(|x| helper(f.call(x))) }\nfn maker(k) { |x| helper(x) * k }\n\
-    fn bad(x) {\n    x.nosuch\n}\nfn call_with(f) { f.call(1) }\n";
+private fn helper(x) { x + 100 }\nfn each(list, f) { list.map(|x| helper(f.call(x))) }\nfn maker(k) { |x| helper(x) * k }\n\
+fn bad(x) {\n    x.nosuch\n}\nfn call_with(f) { f.call(1) }\n";
     const BASE: &str = "const TEN = 10;\nfn twice(x) { 2 * x }\nfn ten_times(x) { x * global::TEN }\n";
 
     /// The last value of `text` beside the modules `files`, or its faults.
