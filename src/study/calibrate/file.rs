@@ -165,16 +165,16 @@ impl StudyFile {
         let found = Calibration::new(&self.calibration, scenarios, host, collector, session);
         let found = self.located("", found)?;
         if let Some(options) = &self.posterior {
-            self.located("posterior", found.posterior(options, session))?;
+            self.located("posterior", found.posterior(options, session).map(drop))?;
         }
         if let Some((_, options)) = &self.predict {
-            self.located("predict", found.predict(&predicted, options, session))?;
+            self.located("predict", found.predict(&predicted, options, session).map(drop))?;
         }
         if self.candidates.is_some() {
-            self.located("candidate", found.settles(&candidates, session))?;
+            self.located("candidate", found.settles(&candidates, session).map(drop))?;
         }
         if let Some(tests) = &self.left_out {
-            self.located("left_out", found.left_out(tests.as_ref(), session))?;
+            self.located("left_out", found.left_out(tests.as_ref(), session).map(drop))?;
         }
         found.page()
     }

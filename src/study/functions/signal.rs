@@ -292,8 +292,6 @@ fn threshold(
 mod tests {
     use crate::functions::tests::engine;
 
-    use super::*;
-
     #[test]
     fn a_condition_may_fall_and_the_ends_may_be_in_either_order() {
         let falls = "let t = threshold(8, 0, 0.01, |x| x < 3.3); t[0] > t[1] && t[0] >= 3.3 && t[1] < 3.3 && t[0] - t[1] <= 0.01";

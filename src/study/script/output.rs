@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde_json::Value;
 
 use crate::Error;
-use crate::script::ConvergenceHistory;
 use crate::script::warning::Warning;
 use crate::store::run_files::RESERVED_NAMES;
 use base::finding::{Finding, is_code};
