@@ -385,7 +385,7 @@ mod tests {
     fn a_study_is_what_a_script_would_give() {
         let found = read(STUDY).unwrap();
         let shown = Dynamic::from(found.calibration.clone()).to_string();
-        for part in ["\"precision\": 0.1", "1e-07", "\"start\": 1,", "\"within\": [0.2, 10]"] {
+        for part in ["\"precision\": 0.1", "1e-7", "\"start\": 1,", "\"within\": [0.2, 10]"] {
             assert!(shown.contains(part), "{part} in {shown}");
         }
         let at = |text: &str| shown.find(text).unwrap_or_else(|| panic!("{text} in {shown}"));
