@@ -1,4 +1,4 @@
-//! `droptower check`: scenarios and materials checked without running them, all mistakes at once.
+//! `droptower check`: scenarios, materials and studies checked without running them, all mistakes at once.
 
 use std::path::Path;
 
@@ -15,6 +15,8 @@ use base::number;
 use scene::model::{self, Guide, Impactor, Variation};
 use scene::scenario::{Assignment, Document};
 use scene::simulate;
+use study::calibrate::StudyFile;
+use study::scenario_functions::Scenarios;
 use study::sweep;
 
 /// Significant digits of lengths and moments.
@@ -84,10 +86,14 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
     refuse(wrong)
 }
 
-/// Checks a scenario or a material.
+/// Checks a scenario, a material or a study.
 fn check(path: &Path, assignments: &[Assignment]) -> Checked {
-    let is_material = Document::read(path).is_ok_and(|document| document.is_material());
-    if !is_material {
+    let document = Document::read(path);
+    if document.as_ref().is_ok_and(is_study) {
+        StudyFile::read(path)?.check(&Scenarios { changes: assignments.to_vec(), evaluations: None })?;
+        return Ok(Facts::default());
+    }
+    if !document.is_ok_and(|document| document.is_material()) {
         let checked = scenarios::check(path, assignments)?;
         let inertias = checked.model.impactors.iter().filter_map(Inertia::from_impactor).collect();
         let variation = model::variation(&checked.document)?;
@@ -104,6 +110,12 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let implausible = material.implausible().into_iter();
     let findings = implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect();
     Ok(Facts { findings, ..Facts::default() })
+}
+
+/// Whether what was read as a scenario has the keys of a study and no specimen.
+fn is_study(document: &Document) -> bool {
+    let has = |key: &str| document.find(key).is_some();
+    !has("specimen") && (has("test") || has("parameters"))
 }
 
 impl Varies {

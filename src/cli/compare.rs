@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use crate::failure::{all, both, recording, refuse};
+use crate::failure::{all, both, hinted, recording, refuse};
 use crate::scenarios;
 use crate::{Failure, Shared, folder, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
@@ -102,14 +102,8 @@ fn stored(places: &[PathBuf]) -> Result<Vec<StoredRun>, Failure> {
 fn unreadable(error: &StoredRunError) -> Diagnostic {
     match error {
         StoredRunError::Signals(error) => recording(error),
-        StoredRunError::Missing { .. } | StoredRunError::NotARun { .. } => {
-            Diagnostic::new(error.to_string()).hint("`droptower run` writes run folders, such as runs/drop/1008")
-        }
-        StoredRunError::Summary { .. } | StoredRunError::NoFigures { .. } | StoredRunError::Scenario { .. } => {
-            Diagnostic::new(error.to_string()).hint("run the scenario again, or compare its signals.csv alone")
-        }
-        StoredRunError::NoSamples { .. } => Diagnostic::new(error.to_string()).hint(FAILED_RUN.remedy),
-        StoredRunError::NoCommonTime { .. } | StoredRunError::Unreadable { .. } => Diagnostic::new(error.to_string()),
+        StoredRunError::NoSamples(error) => Diagnostic::new(error.to_string()).hint(FAILED_RUN.remedy),
+        StoredRunError::Refused(error) => hinted(error, error.hint()),
     }
 }
 

@@ -14,6 +14,7 @@ use lab::signal::column::{self, COLUMNS, Column};
 use lab::signal::format::{FORMATS, Support};
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
 use scene::simulate::{EnergyTerm, energy_columns};
+use study::calibrate;
 use study::post::{self, FigureName, HEADLINES, Headline};
 use study::reference::{Chapter, Entry, chapters};
 use study::store::run_files::{ENERGIES, SIGNALS};
@@ -158,8 +159,8 @@ fn top_keys() -> impl Iterator<Item = &'static Key> {
 /// A kind of file besides scenarios: the word that its keys begin with, and its rule.
 type Kind = (&'static str, fn() -> &'static Rule);
 
-/// Files besides scenarios: `expect.toml`.
-const KINDS: [Kind; 1] = [("expect", grammar::expectations)];
+/// Files besides scenarios: `expect.toml`, studies.
+const KINDS: [Kind; 2] = [("expect", grammar::expectations), ("study", calibrate::rule)];
 
 /// The kind of file of this name.
 fn kind(word: &str) -> Option<Kind> {

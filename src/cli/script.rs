@@ -91,11 +91,11 @@ impl ScriptArgs {
         self.path.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// A fault of the script, in a study at the line of its file.
+    /// A fault of the script, in a study at its place there.
     fn fault(&self, fault: &Fault) -> Diagnostic {
         let own = script(fault);
         match self.study.as_ref().filter(|_| fault.file == self.path()) {
-            Some(study) => Diagnostic { span: None, ..own }.at(&study.place(fault.line)),
+            Some(study) => Diagnostic { span: None, ..own }.at(&study.place()),
             None => own,
         }
     }
@@ -161,14 +161,11 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let changes = args.given.changes.assignments()?;
-    let mut engine = engine(changes.clone(), &Arc::new(Evaluations::new(&args.store)), &host, &collector);
-    compiled(args, &engine, place)?;
     if let Some(study) = &args.study {
-        // What a study reads before its first run is read.
-        calibrate::register_check(&mut engine, &Scenarios { changes, evaluations: None });
-        let faults = |faults: Vec<Fault>| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>();
-        let program = Script::compile(&engine, &Scope::new(), args.path(), study.beginning()).map_err(faults)?;
-        program.run(&engine, Scope::new()).map_err(|fault| Failure::from(args.fault(&fault)))?;
+        study.check(&Scenarios { changes, evaluations: None })?;
+    } else {
+        let engine = engine(changes, &Arc::new(Evaluations::new(&args.store)), &host, &collector, None);
+        compiled(args, &engine, place)?;
     }
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
@@ -244,7 +241,8 @@ fn run_script(
             SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
         }
     });
-    let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector);
+    let study = args.study.as_ref();
+    let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, study);
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
     let stopped = |fault: Fault| match fault.numerical {
         true => Failure::numerical(args.fault(&fault)),
@@ -302,6 +300,7 @@ pub(crate) fn engine(
     evaluations: &Arc<Evaluations>,
     host: &SearchHost,
     collector: &OutputCollector,
+    study: Option<&Arc<StudyFile>>,
 ) -> Engine {
     let mut engine = functions::engine(Limits::STUDY);
     functions::register_output(&mut engine, collector);
@@ -312,13 +311,11 @@ pub(crate) fn engine(
     identify::register(&mut engine, host);
     sweep::register(&mut engine, evaluations);
     calibrate::register(&mut engine, &scenarios, host, collector);
+    if let Some(study) = study {
+        calibrate::register_study(&mut engine, study, &scenarios, host, collector);
+    }
     Arguments::register(&mut engine);
     engine
-}
-
-/// The script that a study stands for.
-fn of_study(args: &ScriptArgs, study: &StudyFile) -> Named {
-    Named { path: args.path().to_owned(), text: Some(Cow::Owned(study.script.clone())) }
 }
 
 /// A script that can run.
@@ -335,12 +332,12 @@ fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled
     let mut scope = Scope::new();
     // The arguments are checked against what the script declares, so its text comes first.
     scope.push_constant("args", Arguments::default());
-    let program =
-        match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |study| Ok(of_study(args, study)))? {
-            Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
-                .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
-            Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
-        };
+    let of_study = || Named { path: args.path().to_owned(), text: Some(Cow::Borrowed(StudyFile::SCRIPT)) };
+    let program = match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |_| Ok(of_study()))? {
+        Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
+            .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
+        Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
+    };
     let about = About::read(args.path(), program.text())?;
     check_declared(&program, &about)?;
     refuse(about.check(&given))?;

@@ -13,6 +13,7 @@ use base::diagnostic::{Diagnostic, shown_path};
 use base::shell::quoted;
 use scene::scenario::FileKind;
 use scene::scenario::grammar::{self, Key, Rule};
+use study::calibrate;
 
 /// Variable by which a shell asks for completions.
 const VARIABLE: &str = "DROPTOWER_COMPLETE";
@@ -143,15 +144,17 @@ enum Kind {
     Material,
     /// `expect.toml`: what a run must give
     Expect,
+    /// Studies: calibrations of several tests
+    Study,
 }
 
 pub(crate) fn schema(args: &SchemaArgs) -> Result<(), Failure> {
-    let kind = match args.kind {
-        Kind::Scenario => FileKind::Scenario,
-        Kind::Material => FileKind::Material,
-        Kind::Expect => FileKind::Expectations,
-    };
-    print_json(&kind.schema())
+    print_json(&match args.kind {
+        Kind::Scenario => FileKind::Scenario.schema(),
+        Kind::Material => FileKind::Material.schema(),
+        Kind::Expect => FileKind::Expectations.schema(),
+        Kind::Study => calibrate::schema(),
+    })
 }
 
 /// The command as it was given, in words that a shell takes again.

@@ -1,11 +1,12 @@
 //! Evaluations: runs that leave figures instead of a folder, each computed once, and what a search takes from them.
 
-use std::fmt;
+use std::hint::black_box;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 use std::time::Duration;
+use std::{fmt, thread};
 
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
@@ -15,7 +16,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-pub use crate::build_name::build_name;
 use crate::post::{COST, HEADER, OF_THE_MACHINE, Plan, ReferenceComparison, Results, failure_message};
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Share};
@@ -579,17 +579,80 @@ pub(crate) fn cut(model: &Model, comparison: Option<&ReferenceComparison>) -> Mo
     model
 }
 
+/// The name of this build where it runs: its version, a digest of the sources, the compiler and the machine that it was
+/// made for, and one of what the mathematical library of this machine answers. Equal names promise equal bits.
+pub fn build_name() -> &'static str {
+    static NAME: LazyLock<String> = LazyLock::new(|| name_of(&answers()));
+    &NAME
+}
+
+fn name_of(answers: &[f64]) -> String {
+    let bits: Vec<u8> = answers.iter().flat_map(|answer| answer.to_bits().to_le_bytes()).collect();
+    let library = &Key::from_parts(&[&bits]).to_string()[..16];
+    concat!(env!("CARGO_PKG_VERSION"), " ", env!("DROPTOWER_BUILD"), " ").to_owned() + library
+}
+
+/// Functions of one argument that the mathematical library of the machine computes.
+const OF_ONE: [fn(f64) -> f64; 17] = [
+    f64::exp,
+    f64::exp2,
+    f64::exp_m1,
+    f64::ln,
+    f64::ln_1p,
+    f64::log2,
+    f64::log10,
+    f64::sin,
+    f64::cos,
+    f64::tan,
+    f64::asin,
+    f64::acos,
+    f64::atan,
+    f64::sinh,
+    f64::cosh,
+    f64::tanh,
+    f64::cbrt,
+];
+
+/// Functions of two arguments.
+const OF_TWO: [fn(f64, f64) -> f64; 3] = [f64::powf, f64::atan2, f64::hypot];
+
+/// Number of arguments at which each function is asked.
+const ARGUMENTS: u32 = 64;
+
+/// Values of the functions at arguments that cover the unit interval, and some beyond it.
+fn answers() -> Vec<f64> {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    // Hidden from the compiler, which would else answer with the library of the machine that it runs on.
+    let arguments = || (1..=ARGUMENTS).map(|number| black_box((f64::from(number) * GOLDEN).fract()));
+    let of_one = |function: &fn(f64) -> f64| {
+        let function = *black_box(function);
+        arguments().flat_map(move |x| [x, 40.0 * x].map(function)).collect::<Vec<f64>>()
+    };
+    let of_two = |function: &fn(f64, f64) -> f64| {
+        let function = *black_box(function);
+        arguments().zip(arguments().skip(1)).map(move |(x, y)| function(x, 9.0 * y)).collect::<Vec<f64>>()
+    };
+    OF_ONE.iter().flat_map(of_one).chain(OF_TWO.iter().flat_map(of_two)).collect()
+}
+
+// Its `main` runs before the build.
+#[cfg(test)]
+#[allow(dead_code)]
+#[path = "build.rs"]
+mod build;
+
 #[cfg(test)]
 mod tests {
     use std::fs;
 
-    use super::*;
     use scene::model;
     use scene::scenario::{Assignment, Document};
 
+    use super::*;
+
     /// A square of four elements, OBJ.
     const FILM: &str = "v -0.2 -0.2 0\nv 0 -0.2 0\nv 0.2 -0.2 0\nv -0.2 0 0\nv 0 0 0\nv 0.2 0 0\nv -0.2 0.2 0\n\
-                        v 0 0.2 0\nv 0.2 0.2 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
+                    v 0 0.2 0\nv 0.2 0.2 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
 
     /// A model whose film is in the file `mesh`, with a scenario in `folder`.
     fn imported(folder: &Path, mesh: &Path) -> Model {
@@ -619,5 +682,38 @@ mod tests {
         assert_eq!(evaluations.record(keys).unwrap(), None);
         fs::write(&mesh, FILM).unwrap();
         assert_eq!(evaluate().unwrap().evaluation.failure, None);
+    }
+
+    #[test]
+    fn what_decides_the_bits_is_digested_and_nothing_else() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let files: Vec<String> = build::sources(&root).unwrap().into_iter().map(|(name, _)| name).collect();
+        for name in [
+            "src/membrane/engine/cushion.rs",
+            "src/membrane/material/viscous/shift.rs",
+            "src/scene/simulate/mod.rs",
+            "src/lab/signal/filter.rs",
+            "src/study/post/impact.rs",
+            "scripts/droptower/film.rhai",
+            "Cargo.lock",
+        ] {
+            assert!(files.iter().any(|file| file == name), "{name} is not in");
+        }
+        let is_other = |file: &&String| {
+            let starts =
+                ["src/cli", "src/report", "src/picture", "src/plot", "src/study/sweep", "src/study/store", "viz"];
+            starts.iter().any(|start| file.starts_with(start)) || file.contains("tests")
+        };
+        assert_eq!(files.iter().find(is_other), None);
+    }
+
+    #[test]
+    fn another_mathematical_library_is_another_build() {
+        let mut answers = answers();
+        assert_eq!(name_of(&answers), build_name());
+        assert!(answers.iter().filter(|answer| answer.is_finite()).count() > answers.len() / 2);
+        let last = answers.last_mut().unwrap();
+        *last = f64::from_bits(last.to_bits() + 1);
+        assert_ne!(name_of(&answers), build_name());
     }
 }

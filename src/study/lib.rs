@@ -1,14 +1,26 @@
 //! Runs and their figures, and what starts many of them: scripts, searches, sweeps.
 #![warn(missing_docs)]
 
-/// Why what a script leaves is refused; shown, and not told apart.
+/// Why something is refused, and a remedy where one follows; shown, and not told apart.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct Error(String);
+#[error("{message}")]
+pub struct Error {
+    message: String,
+    hint: Option<String>,
+}
 
 impl Error {
     pub(crate) fn new(message: impl Into<String>) -> Error {
-        Error(message.into())
+        Error { message: message.into(), hint: None }
+    }
+
+    pub(crate) fn with_hint(self, hint: impl Into<String>) -> Error {
+        Error { hint: Some(hint.into()), ..self }
+    }
+
+    /// The remedy.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
     }
 }
 
@@ -17,7 +29,6 @@ pub mod script;
 pub mod functions;
 pub mod field_comparison;
 pub mod post;
-mod build_name;
 pub mod evaluate;
 pub mod scenario_functions;
 pub mod identify;

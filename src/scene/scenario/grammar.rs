@@ -46,6 +46,8 @@ pub enum Rule {
     },
     /// A Boolean.
     Flag,
+    /// Any value.
+    Any,
     /// Any one of these.
     Either(Vec<Rule>),
 }
@@ -260,6 +262,7 @@ impl Rule {
             Rule::Quantity(..) => matches!(value, Value::Text(_) | Value::Whole(_) | Value::Number(_)),
             Rule::Number { .. } => matches!(value, Value::Whole(_) | Value::Number(_)),
             Rule::Flag => matches!(value, Value::Flag(_)),
+            Rule::Any => true,
             Rule::Either(rules) => rules.iter().any(|rule| rule.takes(value)),
         }
     }
@@ -314,6 +317,7 @@ impl fmt::Display for Rule {
             Rule::Text { path: true, .. } => f.write_str("a path"),
             Rule::Text { .. } => f.write_str("a string"),
             Rule::Flag => f.write_str("true or false"),
+            Rule::Any => f.write_str("a value"),
             Rule::Either(rules) => {
                 let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
                 f.write_str(&rules.join(" or "))
@@ -413,7 +417,10 @@ impl Range {
 type Words = Vec<(String, Option<String>)>;
 
 /// The rule that a schema states.
-fn compile(schema: &Json) -> Rule {
+pub fn compile(schema: &Json) -> Rule {
+    if schema["x-any"].as_bool() == Some(true) {
+        return Rule::Any;
+    }
     if let Some(branches) = list_of(schema, "anyOf") {
         return Rule::Either(branches.iter().map(compile).collect());
     }

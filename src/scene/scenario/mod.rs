@@ -28,10 +28,10 @@ pub use impactor::*;
 pub use material::*;
 pub use output::*;
 pub use resolved::{Assumption, assumptions, leaves};
-pub use schema::FileKind;
+pub use schema::{FileKind, open as schema_for_editors};
 pub use specimen::*;
-pub use tree::{Assignment, Node, Table, Value, parse as parse_tree};
-pub use validate::Implausible;
+pub use tree::{Assignment, Entry, Node, Table, Value, parse as parse_tree};
+pub use validate::{Implausible, validate};
 pub use variation::{Correlation, Method, Variation, VariedKey};
 
 /// A scenario as written: the film, its loading, and what is recorded.

@@ -92,8 +92,8 @@ fn without_null_branch(mut map: Map<String, Json>) -> Map<String, Json> {
     map
 }
 
-/// Removes what only a whole scenario must satisfy, and forbids unknown keys in every table.
-fn open(schema: Json) -> Json {
+/// The schema without what only a whole file must satisfy, and with unknown keys forbidden in every table.
+pub fn open(schema: Json) -> Json {
     match schema {
         Json::Array(items) => Json::Array(items.into_iter().map(open).collect()),
         Json::Object(mut map) => {

@@ -96,7 +96,7 @@ impl Walk {
             (Rule::Number { whole, .. }, Value::Whole(_) | Value::Number(_)) => {
                 self.number(node, *whole, rule);
             }
-            (Rule::Text { .. }, Value::Text(_)) | (Rule::Flag, Value::Flag(_)) => {}
+            (Rule::Text { .. }, Value::Text(_)) | (Rule::Flag, Value::Flag(_)) | (Rule::Any, _) => {}
             (Rule::Either(rules), _) => self.either(node, rules, place),
             _ => self.report(wrong_kind(node, rule)),
         }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::angles::{self, Angles};
 use super::candidates;
+use super::file::{self, StudyFile};
 use super::fit::{self, Fit, LINEAR};
 use super::left_out;
 use super::parameter::{self, Role, Unknown, texts};
@@ -25,22 +26,19 @@ use crate::script::{
 use base::finding::Finding;
 use uncertainty::statistics::quantiles;
 
-const OF_POSTERIOR: [&str; 6] = ["hierarchy", "scatter", "runs", "rounds", "steps", "seed"];
-const OF_PREDICT: [&str; 6] = ["samples", "figures", "signals", "above", "errors", "seed"];
-
 /// What scripts are checked against before they run, since a search takes long.
 const DECLARED: [CallOptions; 6] = [
-    CallOptions { of: "calibrate", function: "calibrate", inside: None, names: &[&plan::OPTIONS] },
-    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: &[&test::OPTIONS] },
+    CallOptions { of: "calibrate", function: "calibrate", inside: None, names: file::options },
+    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: file::test_options },
     CallOptions {
         of: "a parameter of calibrate",
         function: "calibrate",
         inside: Some("parameters"),
-        names: &[&parameter::OPTIONS, &parameter::CURVE_OPTIONS],
+        names: || [&file::parameter_options()[..], &parameter::CURVE_OPTIONS].concat(),
     },
-    CallOptions { of: "posterior", function: "posterior", inside: None, names: &[&OF_POSTERIOR] },
-    CallOptions { of: "predict", function: "predict", inside: None, names: &[&OF_PREDICT] },
-    CallOptions { of: "angles", function: "angles", inside: None, names: &[&angles::OPTIONS] },
+    CallOptions { of: "posterior", function: "posterior", inside: None, names: file::posterior_options },
+    CallOptions { of: "predict", function: "predict", inside: None, names: file::predict_options },
+    CallOptions { of: "angles", function: "angles", inside: None, names: || angles::OPTIONS.into() },
 ];
 
 /// The result of a calibration in a script. Cheap to clone.
@@ -126,16 +124,22 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_fn("page", |own: &mut Calibration| own.page());
 }
 
-/// Makes `calibrate` read its tests, parameters and options and search for nothing: a study is checked so.
-pub fn register_check(engine: &mut Engine, scenarios: &Scenarios) {
-    let scenarios = scenarios.clone();
-    engine.register_fn("calibrate", move |context: NativeCallContext, options: Map| -> HostResult<()> {
-        Plan::read(&options, &scenarios, &Session::from_context(&context)).map(drop)
+/// Offers the function of [`StudyFile::SCRIPT`], which runs a study.
+pub fn register_study(
+    engine: &mut Engine,
+    study: &Arc<StudyFile>,
+    scenarios: &Scenarios,
+    host: &SearchHost,
+    collector: &OutputCollector,
+) {
+    let (study, scenarios, host, collector) = (Arc::clone(study), scenarios.clone(), host.clone(), collector.clone());
+    engine.register_fn("calibrate_study", move |context: NativeCallContext| {
+        study.run(&scenarios, &host, &collector, &Session::from_context(&context))
     });
 }
 
 impl Calibration {
-    fn new(
+    pub(super) fn new(
         options: &Map,
         scenarios: &Scenarios,
         host: &SearchHost,
@@ -196,7 +200,7 @@ impl Calibration {
     }
 
     /// Samples the posterior; its rows.
-    fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let options = Options { of: "posterior", map: options };
         let scattered = scattered(plan, &options)?;
@@ -226,7 +230,7 @@ impl Calibration {
     }
 
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
-    fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
+    pub(super) fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
         let Parts { plan, host, .. } = &*self.0;
         let asked = asked(&Options { of: "predict", map: options })?;
         // A scenario that cannot be read is known before the posterior is sampled.
@@ -283,7 +287,7 @@ impl Calibration {
     }
 
     /// What each candidate would tell beside the tests.
-    fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
         let candidates::Compared { rows, advice } = candidates::compared(given, plan, fit, scenarios, session)?;
         if let Some(advice) = advice {
@@ -296,7 +300,7 @@ impl Calibration {
     }
 
     /// How well tests are predicted by fits without them.
-    fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
+    pub(super) fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         if groups.is_empty() {
@@ -331,7 +335,7 @@ impl Calibration {
     }
 
     /// Plots of every test, measured and calibrated, of the posterior and of predictions.
-    fn page(&self) -> HostResult<()> {
+    pub(super) fn page(&self) -> HostResult<()> {
         let Parts { plan, fit, collector, .. } = &*self.0;
         let derived = self.derived();
         let pairs = derived.posterior.iter().flat_map(rows::pairs);
@@ -380,7 +384,7 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
 
 /// `#{ scatter, runs, rounds, steps, seed }`, and what scatters over specimens.
 fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) -> HostResult<PosteriorOptions> {
-    options.check(&OF_POSTERIOR)?;
+    options.check(&file::posterior_options())?;
     let scatter = options.map.get("scatter").map(|given| number(given, "scatter")).transpose()?;
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
@@ -406,7 +410,7 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
 
 /// `#{ samples, figures, signals, above, errors, seed }`.
 fn asked(options: &Options<'_>) -> HostResult<Asked> {
-    options.check(&OF_PREDICT)?;
+    options.check(&file::predict_options())?;
     let list = |name: &str| -> HostResult<Vec<String>> {
         options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
     };

@@ -1,197 +1,267 @@
 //! A calibration as a file: tests, parameters, and what follows for other scenarios, in TOML (docs/calibration.md).
 //!
-//! The file becomes the calls of a script that has the same specification, a line an entry, so that a mistake in a line is one of
-//! the file's line. Scenarios that are predicted, and candidates, are read before the calibration, which takes long.
+//! `study.schema.json` has every key with its sentence: the checks, `droptower explain` and the options of `calibrate` in scripts
+//! follow from it.
 
-use std::fmt::Write as _;
-use std::path::Path;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
+use rhai::{Array, Dynamic, Map};
+use serde_json::Value as Json;
+
+use super::bindings::Calibration;
+use super::plan::Plan;
+use super::test::found_column;
+use crate::identify::SearchHost;
+use crate::scenario_functions::Scenarios;
+use crate::script::{HostResult, OutputCollector, Session, cause, refused_key};
 use base::diagnostic::{Diagnostic, Source, Span, closest};
 use base::file;
-use scene::scenario::{Node, Table, Value, parse_tree};
-
-use super::plan;
+use scene::scenario::grammar::{self, TableRule};
+use scene::scenario::{Entry, Node, Rule, Value, parse_tree, schema_for_editors, validate};
 
 /// Most bytes of a study.
 const MOST_BYTES: u64 = 4 << 20;
 
 /// Keys of the file that are no options of `calibrate`.
-const OWN: [&str; 6] = ["test", "parameters", "posterior", "predict", "candidate", "left_out"];
+const FOLLOW: [&str; 4] = ["posterior", "predict", "candidate", "left_out"];
 /// Keys whose texts are paths, seen from the file.
-const PATHS: [&str; 4] = ["scenario", "scenarios", "candidate", "recordings"];
+const PATHS: [&str; 3] = ["scenario", "scenarios", "recordings"];
+/// Keys of a test that a candidate, which was not made, does not have.
+const OF_MADE: [&str; 5] = ["recordings", "own", "outcome", "failure_mass", "rupture_time"];
+
+/// Keys, sentences and values of a study.
+static SCHEMA: LazyLock<Json> = LazyLock::new(|| {
+    let mut schema: Json = serde_json::from_str(include_str!("study.schema.json")).unwrap_or_default();
+    let mut candidate = schema["properties"]["test"]["items"].clone();
+    if let Some(keys) = candidate["properties"].as_object_mut() {
+        OF_MADE.iter().for_each(|key| drop(keys.shift_remove(*key)));
+    }
+    schema["properties"]["candidate"]["items"] = candidate;
+    schema
+});
+
+/// The schema of a study for editors.
+pub fn schema() -> Json {
+    schema_for_editors(SCHEMA.clone())
+}
+
+/// The rule of a study.
+pub fn rule() -> &'static Rule {
+    static RULE: LazyLock<Rule> = LazyLock::new(|| grammar::compile(&SCHEMA));
+    &RULE
+}
+
+/// The names of the keys of a table, in their order.
+fn names(table: Option<&'static TableRule>) -> impl Iterator<Item = &'static str> {
+    table.into_iter().flat_map(|table| &table.keys).map(|key| key.name.as_str())
+}
+
+/// Options of `calibrate`.
+pub(super) fn options() -> Vec<&'static str> {
+    let own = names(rule().table()).filter(|name| !FOLLOW.contains(name));
+    own.map(|name| if name == "test" { "tests" } else { name }).collect()
+}
+
+/// Options of a test.
+pub(super) fn test_options() -> Vec<&'static str> {
+    names(rule().at("test.0").and_then(Rule::table)).collect()
+}
+
+/// Options of a parameter that is no curve.
+pub(super) fn parameter_options() -> Vec<&'static str> {
+    let parameters = rule().at("parameters").and_then(Rule::table);
+    names(parameters.and_then(|table| table.others.as_deref()).and_then(Rule::table)).collect()
+}
+
+/// Options of `posterior`.
+pub(super) fn posterior_options() -> Vec<&'static str> {
+    names(rule().at("posterior").and_then(Rule::table)).collect()
+}
+
+/// Options of `predict`.
+pub(super) fn predict_options() -> Vec<&'static str> {
+    names(rule().at("predict").and_then(Rule::table)).filter(|name| *name != "scenarios").collect()
+}
 
 /// A study that was read.
 #[derive(Debug)]
 pub struct StudyFile {
-    /// The script that it stands for.
-    pub script: String,
-    /// Bytes of it until the end of the call that calibrates.
-    called: usize,
-    /// Of each of its lines the place in the file.
-    places: Vec<Span>,
+    /// Options of `calibrate`, and of what follows it.
+    calibration: Map,
+    posterior: Option<Map>,
+    predict: Option<(Array, Map)>,
+    candidates: Option<Array>,
+    /// The tests that are left out; all that can be where none are named.
+    left_out: Option<Option<Array>>,
+    root: Node,
+    /// Where the step that failed stands.
+    failed: Mutex<Option<Span>>,
     /// The file.
     pub source: Arc<Source>,
 }
 
 impl StudyFile {
+    /// The script that runs a study, by the function of [`register_study`](super::register_study).
+    pub const SCRIPT: &str = "calibrate_study();\n";
+
     /// Reads the study at `path`.
     ///
     /// # Errors
-    /// The file cannot be read, is no TOML, has keys that no study has, or lacks tests or parameters.
+    /// The file cannot be read, is no TOML, has keys or values that no study has, or lacks tests or parameters.
     pub fn read(path: &Path) -> Result<StudyFile, Vec<Diagnostic>> {
         let text = file::read_text(path, MOST_BYTES).map_err(|error| {
             let hint = error.hint().map(str::to_owned);
             vec![Diagnostic { hint, ..Diagnostic::new(format!("cannot read {}: {error}", path.display())) }]
         })?;
         let source = Source::file(path, text);
-        let node = parse_tree(&source)?;
-        let mut writer = Writer {
-            script: String::new(),
-            called: 0,
-            places: Vec::new(),
-            mistakes: Vec::new(),
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-            first: Span::line(&source, 1),
-        };
-        if let Value::Table(table) = &node.value {
-            writer.study(table);
+        let root = parse_tree(&source)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut reader = Reader { mistakes: validate(&root, rule()), folder };
+        reader.check_names(&root);
+        let mut given = reader.value(&root, "").try_cast::<Map>().unwrap_or_default();
+        if !reader.mistakes.is_empty() {
+            return Err(reader.mistakes);
         }
-        let Writer { script, called, places, mistakes, .. } = writer;
-        if mistakes.is_empty() { Ok(StudyFile { script, called, places, source }) } else { Err(mistakes) }
-    }
-
-    /// The script until the call that calibrates: what reads scenarios, recordings, parameters and options.
-    pub fn beginning(&self) -> &str {
-        &self.script[..self.called]
-    }
-
-    /// The place in the file of a line of the script.
-    pub fn place(&self, line: usize) -> Span {
-        let place = line.checked_sub(1).and_then(|line| self.places.get(line));
-        place.cloned().unwrap_or_else(|| Span::line(&self.source, 1))
-    }
-}
-
-/// Writes the script, a line an entry.
-struct Writer {
-    script: String,
-    called: usize,
-    places: Vec<Span>,
-    mistakes: Vec<Diagnostic>,
-    folder: std::path::PathBuf,
-    /// The beginning of the file.
-    first: Span,
-}
-
-impl Writer {
-    fn study(&mut self, table: &Table) {
-        for entry in &table.entries {
-            let key = entry.key.as_str();
-            let names = || OWN.iter().chain(plan::OPTIONS.iter().filter(|own| **own != "tests")).copied();
-            if !names().any(|own| own == key) {
-                let mistake = Diagnostic::new(format!("a study has no key `{key}`")).at(&entry.key_span);
-                let hint = closest(key, names()).map(|own| format!("did you mean `{own}`?"));
-                self.mistakes.push(Diagnostic { hint, ..mistake });
-            }
-        }
-        for (key, example) in
-            [("test", "[[test]]\nscenario = \"drop.toml\""), ("parameters", "[parameters]\nk1 = { key = \"…\", … }")]
-        {
-            if table.get(key).is_none() {
-                let mistake = Diagnostic::new(format!("a study needs `{key}`")).at(&self.first);
-                self.mistakes.push(mistake.hint(example.replace('\n', " ")));
-            }
-        }
-        self.check_shapes(table);
-        if let Some(candidates) = table.get("candidate") {
-            self.line("let candidates =", &candidates.key_span);
-            self.value(&candidates.node, "candidate", true);
-            self.line(";", &candidates.key_span);
-        }
-        let predict = table.get("predict").and_then(|entry| match &entry.node.value {
-            Value::Table(table) => Some((entry, table)),
-            _ => {
-                let mistake = Diagnostic::new("`predict` is a table").at(&entry.node.span);
-                self.mistakes.push(mistake.hint("[predict] scenarios = [\"head-50.toml\"]"));
-                None
-            }
+        let map = |value: Dynamic| value.try_cast::<Map>().unwrap_or_default();
+        let list = |value: Dynamic| value.try_cast::<Array>().unwrap_or_default();
+        let predict = given.remove("predict").map(|predict| {
+            let mut options = map(predict);
+            (list(options.remove("scenarios").unwrap_or_default()), options)
         });
-        if let Some((entry, predict)) = predict {
-            match predict.get("scenarios") {
-                Some(scenarios) => {
-                    self.line("let predicted =", &scenarios.key_span);
-                    self.value(&scenarios.node, "scenarios", true);
-                    self.line(";", &scenarios.key_span);
-                }
-                None => {
-                    let mistake = Diagnostic::new("`predict` names no `scenarios`").at(&entry.key_span);
-                    self.mistakes.push(mistake.hint("scenarios = [\"head-50.toml\"]"));
-                }
-            }
-        }
-        let first = self.first.clone();
-        self.line("let study = calibrate(#{", &first);
-        for entry in table
-            .entries
-            .iter()
-            .filter(|entry| entry.key == "test" || !OWN.contains(&entry.key.as_str()) || entry.key == "parameters")
-        {
-            let name = if entry.key == "test" { "tests" } else { &entry.key };
-            self.entry(name, &entry.node, &entry.key_span);
-        }
-        self.line("});", &first);
-        self.called = self.script.len();
-        if let Some(posterior) = table.get("posterior") {
-            self.call("study.posterior(", posterior.node.clone(), &posterior.key_span);
-        }
-        if let Some((entry, predict)) = predict {
-            let mut others = predict.clone();
-            others.remove("scenarios");
-            let others = Node::new(Value::Table(others), entry.node.span.clone());
-            self.call("study.predict(predicted,", others, &entry.key_span);
-        }
-        if let Some(candidates) = table.get("candidate") {
-            self.line("study.settles(candidates);", &candidates.key_span);
-        }
-        match table.get("left_out").map(|entry| (&entry.node.value, entry)) {
-            None | Some((Value::Flag(false), _)) => {}
-            Some((Value::Flag(true), entry)) => self.line("study.left_out();", &entry.key_span),
-            Some((_, entry)) => self.call("study.left_out(", entry.node.clone(), &entry.key_span),
-        }
-        self.line("study.page();", &first);
+        let left_out = given.remove("left_out").and_then(|tests| match tests.as_bool() {
+            Ok(is_all) => is_all.then_some(None),
+            Err(_) => Some(Some(list(tests))),
+        });
+        let (posterior, candidates) = (given.remove("posterior").map(map), given.remove("candidate").map(list));
+        let tests = given.remove("test").unwrap_or_default();
+        given.insert("tests".into(), tests);
+        let failed = Mutex::default();
+        Ok(StudyFile { calibration: given, posterior, predict, candidates, left_out, root, failed, source })
     }
 
-    /// What is known to be wrong before a search that takes long: tables that are none, and names that nothing has.
-    fn check_shapes(&mut self, table: &Table) {
-        let is_table = |node: &Node| matches!(node.value, Value::Table(_));
-        for key in ["parameters", "posterior"] {
-            if let Some(entry) = table.get(key).filter(|entry| !is_table(&entry.node)) {
-                self.mistakes.push(Diagnostic::new(format!("`{key}` is a table: [{key}]")).at(&entry.node.span));
+    /// Reads scenarios, recordings, parameters and options, and runs nothing.
+    ///
+    /// # Errors
+    /// One of them has a mistake, which has its place.
+    pub fn check(&self, scenarios: &Scenarios) -> Result<(), Diagnostic> {
+        let session = Session::default();
+        let checked = self.scenarios(scenarios, &session).and_then(|_| {
+            let plan = Plan::read(&self.calibration, scenarios, &session).map(drop);
+            self.located("", plan)
+        });
+        checked.map_err(|error| Diagnostic::new(cause(&error)).at(&self.place()))
+    }
+
+    /// Calibrates, and takes the steps that follow.
+    pub(super) fn run(
+        &self,
+        scenarios: &Scenarios,
+        host: &SearchHost,
+        collector: &OutputCollector,
+        session: &Session,
+    ) -> HostResult<()> {
+        let [candidates, predicted] = self.scenarios(scenarios, session)?;
+        let found = Calibration::new(&self.calibration, scenarios, host, collector, session);
+        let found = self.located("", found)?;
+        if let Some(options) = &self.posterior {
+            self.located("posterior", found.posterior(options, session).map(drop))?;
+        }
+        if let Some((_, options)) = &self.predict {
+            self.located("predict", found.predict(&predicted, options, session).map(drop))?;
+        }
+        if self.candidates.is_some() {
+            self.located("candidate", found.settles(&candidates, session).map(drop))?;
+        }
+        if let Some(tests) = &self.left_out {
+            self.located("left_out", found.left_out(tests.as_ref(), session).map(drop))?;
+        }
+        found.page()
+    }
+
+    /// Candidates, and scenarios that are predicted, read: that they cannot be read is known before the calibration, which takes
+    /// long.
+    fn scenarios(&self, scenarios: &Scenarios, session: &Session) -> HostResult<[Array; 2]> {
+        let read = |section: &str, list: Option<&Array>| -> HostResult<Array> {
+            let one = |given: &Dynamic| -> HostResult<Dynamic> {
+                let Some(mut map) = given.read_lock::<Map>().map(|map| map.clone()) else {
+                    return scenarios.named(given, session).map(Dynamic::from);
+                };
+                if let Some(scenario) = map.get_mut("scenario") {
+                    *scenario = Dynamic::from(scenarios.named(scenario, session)?);
+                }
+                Ok(map.into())
+            };
+            self.located(section, list.into_iter().flatten().map(one).collect())
+        };
+        let predicted = self.predict.as_ref().map(|(list, _)| list);
+        Ok([read("candidate", self.candidates.as_ref())?, read("predict", predicted)?])
+    }
+
+    /// Notes where in a section of the file an error stands: at the key that it names, or at the test.
+    fn located<T>(&self, section: &str, result: HostResult<T>) -> HostResult<T> {
+        result.inspect_err(|error| {
+            let section = self.root.find(section).unwrap_or(&self.root);
+            let key = refused_key(error).and_then(|key| value_of(section, &key));
+            let message = cause(error);
+            let named = message.strip_prefix("test `").and_then(|rest| rest.split_once('`')).map(|(name, _)| name);
+            let is_named = |test: &&Node| called_as(test).zip(named).is_some_and(|(own, name)| name.ends_with(own));
+            let tests = self.root.find("test").map_or(&[][..], items);
+            let test = || tests.iter().find(is_named).and_then(|test| test.find("scenario"));
+            let place = key.or_else(test).unwrap_or(section).span.clone();
+            *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(place);
+        })
+    }
+
+    /// Where the step that failed stands; the beginning of the file where none did.
+    pub fn place(&self) -> Span {
+        let failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        failed.unwrap_or_else(|| Span::line(&self.source, 1))
+    }
+}
+
+/// The value of the first key of this name in a tree.
+fn value_of<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+    match &node.value {
+        Value::Table(table) => {
+            let own = table.get(key).map(|entry| &entry.node);
+            own.or_else(|| table.entries.iter().find_map(|entry| value_of(&entry.node, key)))
+        }
+        Value::List(items) => items.iter().find_map(|item| value_of(item, key)),
+        _ => None,
+    }
+}
+
+/// Reads the values of a study, and collects mistakes.
+struct Reader {
+    mistakes: Vec<Diagnostic>,
+    folder: PathBuf,
+}
+
+impl Reader {
+    /// Names that nothing has are mistakes before a search that takes long.
+    fn check_names(&mut self, root: &Node) {
+        let of = |key: &str| root.find(key).map_or(&[][..], items);
+        for test in of("test").iter().chain(of("candidate")) {
+            for own in ["compare", "over"].into_iter().filter_map(|key| test.find(key)).flat_map(one_or_several) {
+                let message = text(own).filter(|name| *name != "time").and_then(|name| found_column(name).err());
+                self.mistakes.extend(message.map(|message| Diagnostic::new(message).at(&own.span)));
             }
         }
-        for key in ["test", "candidate"] {
-            if let Some(entry) = table.get(key).filter(|entry| !matches!(entry.node.value, Value::List(_))) {
-                self.mistakes
-                    .push(Diagnostic::new(format!("`{key}` is a list of tables: [[{key}]]")).at(&entry.key_span));
-            }
-        }
-        let tests = table.get("test").map_or(&[][..], |entry| items(&entry.node));
-        let names: Option<Vec<&str>> = tests.iter().map(|test| test.find("name").and_then(text)).collect();
-        let parameters: Vec<&str> = match table.get("parameters").map(|entry| &entry.node.value) {
-            Some(Value::Table(table)) => table.entries.iter().map(|entry| entry.key.as_str()).collect(),
+        let parameters: Vec<&Entry> = match root.find("parameters").map(|node| &node.value) {
+            Some(Value::Table(table)) => table.entries.iter().collect(),
             _ => Vec::new(),
         };
+        let known: Vec<&str> = parameters.iter().map(|entry| entry.key.as_str()).collect();
+        let hierarchy = root.find("posterior.hierarchy");
+        let own = of("test").iter().filter_map(|test| test.find("own"));
+        self.known(hierarchy.into_iter().chain(own).flat_map(one_or_several), &known, "parameter");
         // Tests without a name have that of their scenario.
-        if let (Some(names), Some(left_out)) = (names, table.get("left_out")) {
-            let groups = items(&left_out.node).iter().flat_map(|own| match items(own) {
-                [] => std::slice::from_ref(own),
-                group => group,
-            });
-            self.known(groups, &names, "test");
-        }
-        if let Some(hierarchy) = table.get("posterior").and_then(|entry| entry.node.find("hierarchy")) {
-            self.known(items(hierarchy).iter(), &parameters, "parameter");
+        let names: Option<Vec<&str>> = of("test").iter().map(|test| test.find("name").and_then(text)).collect();
+        if let Some(names) = names {
+            let left_out = of("left_out").iter().flat_map(one_or_several);
+            let of_parameters = parameters.iter().filter_map(|own| own.node.find("tests")).flat_map(one_or_several);
+            self.known(left_out.chain(of_parameters), &names, "test");
         }
     }
 
@@ -205,103 +275,79 @@ impl Writer {
         }
     }
 
-    /// `begin argument);`
-    fn call(&mut self, begin: &str, argument: Node, place: &Span) {
-        self.line(begin, place);
-        self.value(&argument, "", false);
-        self.line(");", place);
-    }
-
-    fn line(&mut self, text: &str, place: &Span) {
-        self.script.push_str(text);
-        self.script.push('\n');
-        self.places.push(place.clone());
-    }
-
-    fn entry(&mut self, key: &str, node: &Node, place: &Span) {
-        // The key and the beginning of its value stand in one line.
-        let _ = write!(self.script, "{}: ", quoted(key));
-        self.value(node, key, false);
-        self.line(",", place);
-    }
-
-    /// A value as a script writes it; of scenarios that are `read` the call that reads them.
-    fn value(&mut self, node: &Node, key: &str, read: bool) {
-        self.item(node, key, read, false);
-    }
-
-    /// The same of an entry of a list, which a pattern may stand for several of.
-    fn item(&mut self, node: &Node, key: &str, read: bool, in_list: bool) {
+    /// A value of the file as scripts have it, with paths seen from the working folder.
+    fn value(&mut self, node: &Node, key: &str) -> Dynamic {
         let place = &node.span;
         match &node.value {
-            Value::Text(text) => {
-                let is_path = PATHS.contains(&key);
-                let path = self.folder.join(text);
-                let shown = if is_path { path.to_string_lossy().into_owned() } else { text.clone() };
-                let is_scenario = matches!(key, "scenario" | "scenarios" | "candidate") && read;
-                let is_pattern = key == "recordings" && text.contains('*');
-                if is_path && !is_pattern && !path.exists() {
+            Value::Text(pattern) if key == "recordings" && pattern.contains('*') => self.files(pattern, place).into(),
+            Value::Text(path) if PATHS.contains(&key) => {
+                let path = self.folder.join(path);
+                let shown = path.to_string_lossy().into_owned();
+                if !path.exists() {
                     self.mistakes.push(Diagnostic::new(format!("there is no file {shown}")).at(place));
                 }
-                match is_pattern {
-                    true if in_list => self.files(text, place),
-                    true => {
-                        self.line("[", place);
-                        self.files(text, place);
-                        self.line("]", place);
-                    }
-                    false if is_scenario => self.line(&format!("scenario({})", quoted(&shown)), place),
-                    false => self.line(&quoted(&shown), place),
-                }
+                shown.into()
             }
-            // A script has no such literal: its minus stands before a number that is too large.
-            Value::Whole(i64::MIN) => self.mistakes.push(Diagnostic::new("the number is too large").at(place)),
-            Value::Whole(number) => self.line(&number.to_string(), place),
-            Value::Number(number) if number.is_finite() => self.line(&float(*number), place),
-            Value::Number(_) => self.mistakes.push(Diagnostic::new("expected a finite number").at(place)),
-            Value::Time(_) => self.mistakes.push(Diagnostic::new("a study has no dates").at(place)),
-            Value::Flag(flag) => self.line(if *flag { "true" } else { "false" }, place),
-            Value::List(items) => {
-                self.line("[", place);
-                for item in items {
-                    self.item(item, key, read, true);
-                    self.line(",", &item.span);
-                }
-                self.line("]", place);
+            Value::Text(text) => text.clone().into(),
+            Value::Whole(whole) => (*whole).into(),
+            Value::Number(number) => (*number).into(),
+            Value::Flag(flag) => (*flag).into(),
+            Value::Time(_) => {
+                self.mistakes.push(Diagnostic::new("a study has no dates").at(place));
+                Dynamic::UNIT
             }
+            // A pattern in a list stands for its files.
+            Value::List(items) if key == "recordings" => {
+                let all = items.iter().flat_map(|item| match self.value(item, key) {
+                    files if files.is_array() => files.into_array().unwrap_or_default(),
+                    file => vec![file],
+                });
+                all.collect::<Array>().into()
+            }
+            Value::List(items) => items.iter().map(|item| self.value(item, key)).collect::<Array>().into(),
             Value::Table(table) => {
-                self.line("#{", place);
-                for entry in &table.entries {
-                    let _ = write!(self.script, "{}: ", quoted(&entry.key));
-                    self.value(&entry.node, &entry.key, read);
-                    self.line(",", &entry.key_span);
-                }
-                self.line("}", place);
+                let entries = table.entries.iter();
+                entries
+                    .map(|entry| (entry.key.as_str().into(), self.value(&entry.node, &entry.key)))
+                    .collect::<Map>()
+                    .into()
             }
         }
     }
 
-    /// The files of a pattern in the study's folder, in the order of their names; in a list among others.
-    fn files(&mut self, pattern: &str, place: &Span) {
+    /// The files of a pattern in the study's folder, in the order of their names.
+    fn files(&mut self, pattern: &str, place: &Span) -> Array {
         let folder = glob::Pattern::escape(&self.folder.to_string_lossy());
         let whole = Path::new(&folder).join(pattern);
-        let mut found = Vec::new();
+        let mut mistake = |message: String| self.mistakes.push(Diagnostic::new(message).at(place));
+        let mut found = Array::new();
         match glob::glob(&whole.to_string_lossy()) {
             Ok(paths) => {
                 for path in paths {
                     match path {
-                        Ok(path) => found.push(quoted(&path.to_string_lossy())),
-                        Err(error) => self.mistakes.push(Diagnostic::new(error.to_string()).at(place)),
+                        Ok(path) => found.push(path.to_string_lossy().into_owned().into()),
+                        Err(error) => mistake(error.to_string()),
                     }
                 }
             }
-            Err(error) => self.mistakes.push(Diagnostic::new(format!("no pattern of files: {error}")).at(place)),
+            Err(error) => mistake(format!("no pattern of files: {error}")),
         }
         if found.is_empty() {
-            self.mistakes.push(Diagnostic::new(format!("no file matches {pattern}")).at(place));
+            mistake(format!("no file matches {pattern}"));
         }
-        self.line(&found.join(", "), place);
+        found
     }
+}
+
+/// The entries of a list, or the value itself.
+fn one_or_several(node: &Node) -> &[Node] {
+    if let Value::List(items) = &node.value { items } else { std::slice::from_ref(node) }
+}
+
+/// What a test is called: its name, or the name of its scenario's file.
+fn called_as(test: &Node) -> Option<&str> {
+    let of_file = || test.find("scenario").and_then(text).and_then(|path| Path::new(path).file_stem()?.to_str());
+    test.find("name").and_then(text).or_else(of_file)
 }
 
 /// The entries of a list; none of another value.
@@ -314,34 +360,10 @@ fn text(node: &Node) -> Option<&str> {
     if let Value::Text(text) = &node.value { Some(text) } else { None }
 }
 
-/// A number with a point, which a script takes as a fraction.
-fn float(number: f64) -> String {
-    let text = format!("{number:?}");
-    match text.split_once('e') {
-        Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.0e{exponent}"),
-        _ => text,
-    }
-}
-
-/// A text as a script writes it.
-fn quoted(text: &str) -> String {
-    let mut own = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => own.extend(['\\', letter]),
-            control if control.is_control() => {
-                let _ = write!(own, "\\u{:04x}", u32::from(control));
-            }
-            other => own.push(other),
-        }
-    }
-    own.push('"');
-    own
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::{refuse, refuse_key};
 
     fn read(text: &str) -> Result<StudyFile, Vec<Diagnostic>> {
         let folder = tempfile::tempdir().unwrap();
@@ -358,65 +380,99 @@ mod tests {
                          set = { \"impactor.mass\" = 1e-7 }\n[parameters]\nk1 = { key = \"a.k1\", start = 1, within = [0.2, 10], log = true }\n\
                          [predict]\nscenarios = [\"head.toml\"]\nsamples = 64\n[posterior]\nhierarchy = [\"k1\"]\n";
 
-    /// Each entry is a line of the script, which a mistake in it is reported at; every text is one of the interpreter.
+    /// Paths are seen from the file, patterns are files, and what follows the calibration stands apart.
     #[test]
-    fn a_study_becomes_a_script_line_by_line() {
+    fn a_study_is_what_a_script_would_give() {
         let found = read(STUDY).unwrap();
-        rhai::Engine::new_raw().compile(&found.script).unwrap();
-        let place = |text: &str| {
-            let line = found
-                .script
-                .lines()
-                .position(|line| line.contains(text))
-                .unwrap_or_else(|| panic!("{text}: {}", found.script));
-            found.place(line + 1).line_number()
-        };
-        let lines = [
-            ("\"precision\"", 1),
-            ("drop \\\"1\\\".toml", 3),
-            ("a.csv", 4),
-            ("1.0e-7", 5),
-            ("\"k1\"", 7),
-            ("scenario(", 9),
-            ("\"samples\"", 10),
-            ("study.posterior", 11),
-        ];
-        for (text, line) in lines {
-            assert_eq!(place(text), line, "{text}");
+        let shown = Dynamic::from(found.calibration.clone()).to_string();
+        for part in ["\"precision\": 0.1", "1e-7", "\"start\": 1,", "\"within\": [0.2, 10]"] {
+            assert!(shown.contains(part), "{part} in {shown}");
         }
-        let at = |text: &str| found.script.find(text).unwrap();
-        assert!(at("let predicted") < at("calibrate(") && at("a.csv") < at("b.csv"), "{}", found.script);
-        assert!(at("study.posterior(") < at("study.predict("));
+        let at = |text: &str| shown.find(text).unwrap_or_else(|| panic!("{text} in {shown}"));
+        assert!(at("a.csv") < at("b.csv") && shown.contains("drop \\\"1\\\".toml"), "{shown}");
+        assert_eq!(
+            found.calibration.keys().map(|key| key.as_str()).collect::<Vec<_>>(),
+            ["parameters", "precision", "tests"]
+        );
+        let (scenarios, options) = found.predict.as_ref().unwrap();
+        assert!(scenarios[0].to_string().ends_with("head.toml") && options["samples"].as_int() == Ok(64));
+        assert!(found.posterior.is_some() && found.candidates.is_none() && found.left_out.is_none());
     }
 
+    /// A key that is refused has its value's place, and an error about a test that of its scenario.
     #[test]
-    fn mistakes_have_their_lines() {
-        for (text, message, hint) in [
+    fn errors_of_steps_have_their_places() {
+        let found = read(STUDY).unwrap();
+        let place = |section: &str, error| {
+            drop(found.located::<()>(section, Err(error)));
+            found.place().line_number()
+        };
+        assert_eq!(found.place().line_number(), 1);
+        assert_eq!(place("", refuse_key("log", "x", None)), 7);
+        assert_eq!(place("", refuse("test `drop \"1\"`: x")), 3);
+        assert_eq!(place("posterior", refuse("x")), 11);
+        assert_eq!(place("predict", refuse_key("samples", "x", None)), 10);
+    }
+
+    /// Keys, kinds and names, each at its value and all at once.
+    #[test]
+    fn mistakes_have_their_places() {
+        let test = "[[test]]\nscenario = \"head.toml\"\n";
+        let parameters = "[parameters]\nk = { key = \"a\", start = 1, within = [0, 2] }\n";
+        for (text, expected) in [
             (
-                "[[test]]\nscenario = 1\n[parameters]\n[posteriors]\n",
-                "a study has no key `posteriors`",
-                "did you mean `posterior`?",
+                format!("{test}{parameters}[posteriors]\n"),
+                &[("unknown key `posteriors`", "did you mean `posterior`?", 5)][..],
             ),
-            ("[[test]]\nscenario = 1\n", "a study needs `parameters`", "[parameters] k1 = "),
-            ("[parameters]\n", "a study needs `test`", "[[test]] scenario"),
-            ("[[test]]\nrecordings = \"none-*.csv\"\n[parameters]\n", "no file matches ", ""),
-            ("[[test]]\n[parameters]\n[predict]\nsamples = 3\n", "`predict` names no `scenarios`", "scenarios = "),
-            ("[[test]]\nprecision = nan\n[parameters]\n", "expected a finite number", ""),
-            ("[[test]\n", "", ""),
-            ("posterior = 3\n[[test]]\n[parameters]\n", "`posterior` is a table", ""),
-            ("[candidate]\n[[test]]\n[parameters]\n", "`candidate` is a list of tables", ""),
+            (test.into(), &[("missing key `parameters`", "", 1)]),
+            (parameters.into(), &[("missing key `test`", "", 1)]),
+            (format!("{test}recordings = \"none-*.csv\"\n{parameters}"), &[("no file matches ", "", 3)]),
+            (format!("{test}{parameters}[predict]\nsamples = 3\n"), &[("missing key `predict.scenarios`", "", 5)]),
             (
-                "left_out = [[\"a\"], \"c\"]\n[[test]]\nname = \"a\"\n[[test]]\nname = \"b\"\n[parameters]\n",
-                "there is no test `c`",
-                "",
+                format!("precision = nan\nnoise = 3\n{test}comparing = \"x\"\nweight = \"2\"\n{parameters}"),
+                &[
+                    ("expected a finite number", "", 1),
+                    ("out of range", "", 2),
+                    ("unknown key `comparing`", "", 5),
+                    ("expected a number, found \"2\"", "", 6),
+                ],
             ),
-            ("[[test]]\nscenario = \"none.toml\"\n[parameters]\n", "there is no file ", ""),
+            ("[[test]\n".into(), &[("", "", 1)]),
+            (format!("posterior = 3\n{test}{parameters}"), &[("expected a table, found 3", "", 1)]),
+            (
+                format!("{test}compare = \"forse\"\n{parameters}"),
+                &[("there is no signal `forse` (did you mean `force`?)", "", 3)],
+            ),
+            (format!("{test}own = \"l\"\n{parameters}"), &[("there is no parameter `l`", "", 3)]),
+            (
+                format!("left_out = [[\"a\"], \"c\"]\n{test}name = \"a\"\n{test}name = \"b\"\n{parameters}"),
+                &[("there is no test `c`", "", 1)],
+            ),
+            (
+                format!("{test}{parameters}[[candidate]]\nscenario = \"a.toml\"\nrecordings = \"a.csv\"\n"),
+                &[("unknown key `recordings`", "", 7), ("there is no file ", "", 6)],
+            ),
         ] {
-            let found = read(text).expect_err(text);
-            let is = |own: &Diagnostic| {
-                own.message.contains(message) && own.hint.as_deref().unwrap_or("").contains(hint) && own.span.is_some()
-            };
-            assert!(found.iter().any(is), "{text}: {found:?}");
+            let found = read(&text).expect_err(&text);
+            for (message, hint, line) in expected {
+                let is = |own: &Diagnostic| {
+                    let at = own.span.as_ref().map(Span::line_number);
+                    own.message.contains(message)
+                        && own.hint.as_deref().unwrap_or("").contains(hint)
+                        && at == Some(*line)
+                };
+                assert!(found.iter().any(is), "{message} in {text}: {found:?}");
+            }
         }
+    }
+
+    /// The schema is that of the options that scripts have.
+    #[test]
+    fn options_of_scripts_are_keys_of_the_file() {
+        assert_eq!(options()[..3], ["tests", "parameters", "noise"]);
+        assert_eq!(test_options()[..3], ["scenario", "name", "set"]);
+        assert_eq!(parameter_options(), ["key", "start", "within", "log", "prior", "tests", "scatter"]);
+        assert_eq!(posterior_options().len() + predict_options().len(), 12);
+        assert!(rule().at("candidate.0.compare").is_some() && rule().at("candidate.0.recordings").is_none());
     }
 }

@@ -27,6 +27,6 @@ mod test;
 mod verdict;
 mod warning;
 
-pub use bindings::{register, register_check};
-pub use file::StudyFile;
+pub use bindings::{register, register_study};
+pub use file::{StudyFile, rule, schema};
 pub use warning::CODES;

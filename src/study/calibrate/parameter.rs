@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Map};
 use serde_json::Value;
 
+use super::file;
 use super::outcome::BREAK_FACTORS;
 use crate::script::{HostResult, Options, from_json, number, refuse, to_json};
 use lab::experiment::coupon::Curve;
@@ -83,9 +84,6 @@ pub(super) struct Unknown {
     pub(super) test: Option<usize>,
 }
 
-/// Options of a parameter.
-pub(super) const OPTIONS: [&str; 7] = ["key", "start", "within", "log", "prior", "tests", "scatter"];
-
 impl Parameter {
     /// Reads `#{ key, start, within, log, prior, tests, scatter }`.
     pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
@@ -94,7 +92,7 @@ impl Parameter {
         let map =
             map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
         let options = Options { of: "a parameter of calibrate", map: &map };
-        options.check(&OPTIONS)?;
+        options.check(&file::parameter_options())?;
         let keys = keys(options.value("key")?).map_err(of_parameter)?;
         if keys.is_empty() {
             return Err(of_parameter("`key` names no key".into()));

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use rhai::{Array, Dynamic, Map};
 
 use super::error_model::{Correlation, Noise, Shape};
+use super::file;
 use super::mesh::{self, Elements};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{self, Parameter, Role, Unknown};
@@ -103,31 +104,11 @@ pub(super) struct SearchOptions {
     pub(super) seed: u64,
 }
 
-/// Options of `calibrate`.
-pub(super) const OPTIONS: [&str; 16] = [
-    "tests",
-    "parameters",
-    "noise",
-    "discrepancy",
-    "stages",
-    "method",
-    "starts",
-    "max_evaluations",
-    "tol_x",
-    "tol_f",
-    "difference",
-    "seed",
-    "precision",
-    "on_rupture",
-    "mesh",
-    "name",
-];
-
 impl Plan {
     /// Reads the map of `calibrate`.
     pub(super) fn read(given: &Map, scenarios: &Scenarios, session: &Session) -> HostResult<Plan> {
         let options = Options { of: "calibrate", map: given };
-        options.check(&OPTIONS)?;
+        options.check(&file::options())?;
         let (discrepancy, correlation) =
             discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
         let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;

@@ -66,27 +66,6 @@ pub(super) struct Tolerances {
     pub(super) correlation: Option<Correlation>,
 }
 
-/// Options of a test.
-pub(super) const OPTIONS: [&str; 17] = [
-    "scenario",
-    "name",
-    "set",
-    "compare",
-    "over",
-    "window",
-    "recordings",
-    "own",
-    "weight",
-    "shared_error",
-    "noise",
-    "distance",
-    "error",
-    "outcome",
-    "failure_mass",
-    "rupture_time",
-    "pull",
-];
-
 /// The impactor's peak is not a column; these names stand for columns.
 const ALIASES: [(&str, &str); 1] = [("apex", "deflection")];
 
@@ -103,7 +82,7 @@ impl Test {
             refuse(format!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))
         })?;
         let options = Options { of: "a test of calibrate", map: &map };
-        options.check(&OPTIONS)?;
+        options.check(&super::file::test_options())?;
         let mut study = scenarios.named(options.value("scenario")?, session)?;
         if let Some(changes) = map.get("set") {
             let changes = changes.read_lock::<Map>().map(|map| map.clone());

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Rotation3, SymmetricEigen, UnitQuaternion, Vector3, Vector6};
 
-use super::surface::{FilmSurface, Nearest};
+use crate::field_comparison::comparison::{FilmSurface, Nearest};
 use lab::dic::{Field, FieldState, RigidMotion};
 use scene::simulate::FaceState;
 

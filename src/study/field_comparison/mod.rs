@@ -3,10 +3,10 @@
 
 mod alignment;
 mod comparison;
-mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use alignment::{Alignment, FoundMotion};
-pub use comparison::{ErrorNorms, FieldComparison, NoComparison, PointError, StateErrors};
-pub use surface::{FilmSurface, Nearest};
+pub use crate::field_comparison::alignment::{Alignment, FoundMotion};
+pub use crate::field_comparison::comparison::{
+    ErrorNorms, FieldComparison, FilmSurface, Nearest, NoComparison, PointError, StateErrors,
+};

@@ -3,8 +3,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-use super::surface::FilmSurface;
-use super::*;
+use crate::field_comparison::comparison::FilmSurface;
+use crate::field_comparison::*;
 use lab::dic::{Field, FieldState, RigidMotion};
 use scene::model::Align;
 use scene::simulate::{FaceMotion, FaceState};

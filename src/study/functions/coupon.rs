@@ -4,15 +4,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use serde_json::json;
 
-use crate::script::{Compared, HostResult, Options, Session, number, refuse, refuse_hinted, window};
+use crate::script::{Compared, HostResult, Options, Session, number, record, refuse, refuse_hinted, shown, window};
 use base::units::{Length, Mass, Velocity};
 use lab::Error;
 use lab::experiment::coupon::average::{SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference};
 use lab::experiment::coupon::shear::Shear;
 use lab::experiment::coupon::{
     BREAK_SHARE, Coupon, CouponReader, CouponTest, Curve, CurveEnd, DirectionMeans, Fibres, LoadCell, Machine,
-    Reduction, Rules, Sample, ShearMethod, SpeedMeans, WINDOW, YieldPoints, relative_residuals, yield_points,
+    Reduction, Rules, Rupture, Sample, ShearMethod, SpeedMeans, WINDOW, relative_residuals, yield_points,
 };
 use lab::signal::Series;
 use membrane::material;
@@ -38,7 +39,7 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("reduce_coupons", |samples: Array| reduce(&samples, &Map::new()))
         .register_fn("reduce_coupons", |samples: Array, rules: Map| reduce(&samples, &rules))
         .register_get("directions", |reduced: &mut Reduced| {
-            reduced.0.directions.iter().map(|along| along_map(along).into()).collect::<Array>()
+            reduced.0.directions.iter().map(|along| direction_map(along).into()).collect::<Array>()
         })
         .register_get("recordings", |reduced: &mut Reduced| reduced.0.recordings() as INT)
         .register_get("virtual_recordings", |reduced: &mut Reduced| reduced.0.virtual_recordings() as INT)
@@ -106,14 +107,11 @@ fn shear(coupon: &Coupon, curve: &Curve, more: &Map) -> HostResult<Map> {
 }
 
 fn sheared(sheared: Result<Shear, Error>) -> HostResult<Map> {
-    let sheared = sheared.map_err(refuse)?;
-    let mut map = Map::new();
-    map.insert("curve".into(), Dynamic::from(sheared.curve));
-    map.insert("cut".into(), (sheared.cut as INT).into());
-    Ok(map)
+    let Shear { curve, cut, .. } = sheared.map_err(refuse)?;
+    Ok(record(&json!({ "cut": cut }), [("curve", Dynamic::from(curve))]))
 }
 
-fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> HostResult<Map> {
+fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machine: Map) -> HostResult<Dynamic> {
     let machine = Options { of: "pulled", map: &machine };
     let [mass, stiffness, damping] = ["jaw_mass", "load_cell_stiffness", "load_cell_damping"];
     machine.check(&["velocity", "force_decimals", "displacement_decimals", mass, stiffness, damping])?;
@@ -137,12 +135,7 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
         load_cell,
     };
     let (strains, noise) = (numbers(&strains, "a strain")?, numbers(&noise, "noise")?);
-    let pull = machine.pull(coupon, &curve, &strains, &noise).map_err(refuse)?;
-    Ok(map([
-        ("time", list(&pull.time).into()),
-        ("displacement", list(&pull.displacement).into()),
-        ("force", list(&pull.force).into()),
-    ]))
+    machine.pull(coupon, &curve, &strains, &noise).map(|pull| shown(&pull)).map_err(refuse)
 }
 
 fn reduce(samples: &[Dynamic], given: &Map) -> HostResult<Reduced> {
@@ -171,54 +164,27 @@ fn sample(item: &Dynamic, rules: &Rules) -> HostResult<Sample> {
 }
 
 fn recorded_map(recorded: &CouponTest) -> Map {
-    let sample = &recorded.sample;
-    map([
-        ("file", recorded.path.display().to_string().into()),
-        ("specimen", recorded.specimen.as_ref().map_or(Dynamic::UNIT, |specimen| specimen.name.clone().into())),
-        ("direction", sample.direction.to_string().into()),
-        ("angle", sample.direction.degrees().into()),
-        ("velocity", sample.velocity.into()),
-        ("curve", Dynamic::from(sample.curve.clone())),
-        ("modulus", sample.modulus.slope.into()),
-        ("strength", sample.rupture.strength.into()),
-        ("elongation", sample.rupture.strain.into()),
-        ("is_virtual", sample.is_virtual.into()),
-    ])
+    let CouponTest { path, sample, specimen, .. } = recorded;
+    let figures = json!({
+        "file": path.display().to_string(), "specimen": specimen.as_ref().map(|specimen| &specimen.name),
+        "direction": sample.direction.to_string(), "angle": sample.direction.degrees(), "velocity": sample.velocity,
+        "modulus": sample.modulus.slope, "strength": sample.rupture.strength, "elongation": sample.rupture.strain,
+        "is_virtual": sample.is_virtual,
+    });
+    record(&figures, [("curve", Dynamic::from(sample.curve.clone()))])
 }
 
-fn along_map(along: &DirectionMeans) -> Map {
-    let (yields, why) = match &along.yields {
-        Ok(found) => (yield_map(found).into(), Dynamic::UNIT),
-        Err(error) => (Dynamic::UNIT, error.to_string().into()),
-    };
-    map([
+fn direction_map(along: &DirectionMeans) -> Map {
+    let with_curve = |speed: &SpeedMeans| record(speed, [("curve", Dynamic::from(speed.curve.clone()))]).into();
+    let others = [
         ("direction", along.direction.to_string().into()),
         ("angle", along.direction.degrees().into()),
-        ("modulus", spread_map(&along.modulus).into()),
-        ("strength", spread_map(&along.strength).into()),
-        ("elongation", spread_map(&along.elongation).into()),
-        ("break_stress", spread_map(&along.break_stress).into()),
         ("curve", Dynamic::from(along.curve.clone())),
-        ("yield_points", yields),
-        ("no_yield_points", why),
-        ("virtual_recordings", (along.virtual_recordings as INT).into()),
-        ("speeds", along.speeds.iter().map(|speed| speed_map(speed).into()).collect::<Array>().into()),
-    ])
-}
-
-fn speed_map(speed: &SpeedMeans) -> Map {
-    map([
-        ("velocity", speed.velocity.into()),
-        ("moduli", list(&speed.moduli).into()),
-        ("modulus", spread_map(&speed.modulus).into()),
-        ("strength", spread_map(&speed.strength).into()),
-        ("elongation", spread_map(&speed.elongation).into()),
-        ("curve", Dynamic::from(speed.curve.clone())),
-    ])
-}
-
-fn map<const N: usize>(pairs: [(&str, Dynamic); N]) -> Map {
-    pairs.into_iter().map(|(name, value)| (name.into(), value)).collect()
+        ("yield_points", shown(&along.yields.as_ref().ok())),
+        ("no_yield_points", shown(&along.yields.as_ref().err().map(Error::to_string))),
+        ("speeds", along.speeds.iter().map(with_curve).collect::<Array>().into()),
+    ];
+    record(along, others)
 }
 
 /// Offers the type `curve`, its functions and means to scripts.
@@ -258,32 +224,13 @@ pub(super) fn register_curves(engine: &mut Engine) {
         })
         .register_fn("spread", |figures: Array| {
             let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
-            Ok::<_, Box<EvalAltResult>>(spread_map(&spread))
+            Ok::<_, Box<EvalAltResult>>(shown(&spread))
         });
 }
 
 /// A window of strain `[from, to]`.
 pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
     window(value)
-}
-
-/// Mean, deviation and count as a map of a script.
-pub(super) fn spread_map(spread: &SampleStatistics) -> Map {
-    let mut map = Map::new();
-    map.insert("mean".into(), spread.mean.into());
-    map.insert("deviation".into(), spread.deviation.into());
-    map.insert("count".into(), (spread.count as INT).into());
-    map
-}
-
-/// Yield points as a map of a script.
-pub(super) fn yield_map(found: &YieldPoints) -> Map {
-    let mut map = Map::new();
-    map.insert("first".into(), list(&found.first).into());
-    map.insert("second".into(), list(&found.second).into());
-    map.insert("slopes".into(), list(&found.slopes).into());
-    map.insert("residual".into(), found.residual.into());
-    map
 }
 
 /// The numbers as a list.
@@ -324,18 +271,14 @@ fn toe_compensated(curve: &mut Curve, window: Dynamic) -> HostResult<Curve> {
     Ok(curve.toe_compensated(line.slope, line.intercept))
 }
 
-fn rupture(curve: &Curve, share: f64) -> HostResult<Map> {
-    let rupture = curve.rupture(share).map_err(refuse)?;
-    let mut map = Map::new();
-    map.insert("strain".into(), rupture.strain.into());
-    map.insert("stress".into(), rupture.stress.into());
-    map.insert("strength".into(), rupture.strength.into());
-    map.insert("broke".into(), (rupture.ending == CurveEnd::Broke).into());
-    Ok(map)
+fn rupture(curve: &Curve, share: f64) -> HostResult<Dynamic> {
+    let Rupture { strain, stress, strength, ending } = curve.rupture(share).map_err(refuse)?;
+    let broke = ending == CurveEnd::Broke;
+    Ok(shown(&json!({ "strain": strain, "stress": stress, "strength": strength, "broke": broke })))
 }
 
-fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Map> {
-    yield_points(curve, window).map(|found| yield_map(&found)).map_err(refuse)
+fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Dynamic> {
+    yield_points(curve, window).map(|found| shown(&found)).map_err(refuse)
 }
 
 fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, Error>) -> HostResult<Curve> {

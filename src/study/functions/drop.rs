@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, Map};
 
-use crate::script::{HostResult, Options, from_json, refuse, window};
+use crate::script::{self, HostResult, Options, refuse, window};
 use lab::experiment::absorption::Body;
 use lab::experiment::drop::{self, Bridged, Class, Correction, Drop, Reduction, Tower};
 use lab::experiment::fall::Fall;
@@ -77,7 +77,7 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
     };
     let mut drop = drop::reduce(&acceleration, laser, &tower, &reduction).map_err(refuse)?;
     drop.warnings.extend(bridged);
-    reduced(&drop)
+    Ok(reduced(&drop))
 }
 
 /// The acceleration without the gaps that `bridge` and `mask` name.
@@ -118,13 +118,10 @@ fn correction(about: &Options<'_>) -> HostResult<Correction> {
 }
 
 /// Figures and signals by name.
-fn reduced(drop: &Drop) -> HostResult<Map> {
-    let figures = serde_json::to_value(drop.figures()).map_err(refuse)?;
-    let mut map = from_json(&figures).try_cast::<Map>().unwrap_or_default();
-    for Column { short, name, .. } in CHANNELS {
-        map.insert(short.into(), signal(&drop.signals, name));
-    }
-    Ok(map)
+fn reduced(drop: &Drop) -> Map {
+    let mut map = script::record(&drop.figures(), []);
+    map.extend(CHANNELS.map(|Column { short, name, .. }| (short.into(), signal(&drop.signals, name))));
+    map
 }
 
 fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> HostResult<Map> {

@@ -1,14 +1,17 @@
 //! Fits of laws and of relaxation in scripts.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
+use serde::Serialize;
+use serde_json::json;
 
 use super::coupon::{list, numbers};
-use crate::script::{HostResult, Options, Session, findings_map, refuse, refuse_hinted};
+use crate::script::{HostResult, Options, Session, findings_map, record, refuse, refuse_hinted};
 use base::finding::Finding;
 use lab::experiment::law_fit::{
-    BiaxialPoint, Coefficient, DataSet, FitOptions, LawFit, Measured, StressReader, TestFit, TestKind, fit_law,
+    BiaxialPoint, Coefficient, DataSet, FitOptions, LawFit, Measured, Quality, StressReader, TestFit, TestKind, fit_law,
 };
 use lab::experiment::relaxation::{PronyFit, fit_prony};
 
@@ -42,28 +45,22 @@ fn read(session: &Session, path: &str, kind: Option<TestKind>) -> HostResult<Map
 
 /// A test as scripts have it.
 fn set_map(set: &DataSet) -> Map {
-    let mut map = Map::from([
-        ("name".into(), set.name.clone().into()),
-        ("test".into(), set.kind().to_string().into()),
-        ("weight".into(), set.weight.into()),
-        ("is_virtual".into(), set.is_virtual.into()),
-    ]);
     let (stretches, stresses) = (set.measured.stretches(), set.measured.stresses());
+    let every = |values: &[f64], first: usize| list(&values.iter().skip(first).step_by(2).copied().collect::<Vec<_>>());
+    let figures =
+        json!({ "name": set.name, "test": set.kind().to_string(), "weight": set.weight, "is_virtual": set.is_virtual });
     match &set.measured {
         Measured::Tension(..) => {
-            map.insert("stretch".into(), list(&stretches).into());
-            map.insert("stress".into(), list(&stresses).into());
+            record(&figures, [("stretch", list(&stretches).into()), ("stress", list(&stresses).into())])
         }
         Measured::Biaxial(_) => {
-            let every =
-                |values: &[f64], first: usize| -> Vec<f64> { values.iter().skip(first).step_by(2).copied().collect() };
-            for (place, number) in ["1", "2"].into_iter().enumerate() {
-                map.insert(format!("stretch_{number}").into(), list(&every(&stretches, place)).into());
-                map.insert(format!("stress_{number}").into(), list(&every(&stresses, place)).into());
-            }
+            let [stretch_1, stretch_2] = [0, 1].map(|first| every(&stretches, first).into());
+            let [stress_1, stress_2] = [0, 1].map(|first| every(&stresses, first).into());
+            let columns =
+                [("stretch_1", stretch_1), ("stretch_2", stretch_2), ("stress_1", stress_1), ("stress_2", stress_2)];
+            record(&figures, columns)
         }
     }
-    map
 }
 
 /// A test of a map.
@@ -132,33 +129,29 @@ fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
 }
 
 fn fit_map(fit: &LawFit) -> Map {
-    let by_name = |value: &dyn Fn(&Coefficient) -> Dynamic| -> Dynamic {
-        fit.coefficients.iter().map(|one| (one.name.as_str().into(), value(one))).collect::<Map>().into()
-    };
-    let tests =
-        |tests: &[TestFit]| -> Dynamic { tests.iter().map(|test| test_map(test).into()).collect::<Array>().into() };
-    let mut map = Map::from([
-        ("law".into(), fit.choice.to_string().into()),
-        ("coefficients".into(), by_name(&|one| one.value.into())),
-        ("standard_errors".into(), by_name(&|one| one.standard_error.map_or(Dynamic::UNIT, Dynamic::from))),
-        ("intervals".into(), by_name(&|one| one.interval.map_or(Dynamic::UNIT, |ends| list(&ends).into()))),
-        ("tests".into(), tests(&fit.tests)),
-        ("predictions".into(), tests(&fit.predictions)),
-        ("unstable_from".into(), fit.unstable_from.map_or(Dynamic::UNIT, |(_, stretch)| stretch.into())),
-    ]);
+    fn by_name<T: Serialize>(fit: &LawFit, value: impl Fn(&Coefficient) -> T) -> BTreeMap<&str, T> {
+        fit.coefficients.iter().map(|one| (one.name.as_str(), value(one))).collect()
+    }
+    let tests = |tests: &[TestFit]| tests.iter().map(|test| test_map(test).into()).collect::<Array>().into();
+    let figures = json!({
+        "law": fit.choice.to_string(), "coefficients": by_name(fit, |one| one.value),
+        "standard_errors": by_name(fit, |one| one.standard_error), "intervals": by_name(fit, |one| one.interval),
+        "unstable_from": fit.unstable_from.map(|(_, stretch)| stretch),
+    });
+    let mut map = record(&figures, [("tests", tests(&fit.tests)), ("predictions", tests(&fit.predictions))]);
     map.extend(findings_map(&fit.findings()));
     map
 }
 
 fn test_map(test: &TestFit) -> Map {
+    let Quality { r_squared, rms, relative_rms, largest_error, .. } = test.quality;
     let mut map = set_map(&test.set);
-    let quality = &test.quality;
     map.extend([
         ("predicted".into(), list(&test.predicted).into()),
-        ("r_squared".into(), quality.r_squared.into()),
-        ("rms".into(), quality.rms.into()),
-        ("relative_rms".into(), quality.relative_rms.into()),
-        ("largest_error".into(), quality.largest_error.into()),
+        ("r_squared".into(), r_squared.into()),
+        ("rms".into(), rms.into()),
+        ("relative_rms".into(), relative_rms.into()),
+        ("largest_error".into(), largest_error.into()),
     ]);
     map
 }
@@ -171,19 +164,12 @@ fn relaxation(times: Array, moduli: Array, terms: INT) -> HostResult<Map> {
 }
 
 fn prony_map(fit: &PronyFit) -> Map {
-    let terms = fit
-        .prony
-        .terms
-        .iter()
-        .map(|term| Map::from([("share".into(), term.share.into()), ("time".into(), term.time.into())]).into());
-    let mut map = Map::from([
-        ("instantaneous".into(), fit.prony.instantaneous.into()),
-        ("equilibrium".into(), fit.prony.equilibrium().into()),
-        ("terms".into(), terms.collect::<Array>().into()),
-        ("r_squared".into(), fit.r_squared.into()),
-        ("relative_rms".into(), fit.relative_rms.into()),
-        ("largest_error".into(), fit.largest_error.into()),
-    ]);
-    map.extend(findings_map(&fit.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
+    let PronyFit { prony, r_squared, relative_rms, largest_error, warnings, .. } = fit;
+    let figures = json!({
+        "instantaneous": prony.instantaneous, "equilibrium": prony.equilibrium(), "terms": prony.terms,
+        "r_squared": r_squared, "relative_rms": relative_rms, "largest_error": largest_error,
+    });
+    let mut map = record(&figures, []);
+    map.extend(findings_map(&warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     map
 }

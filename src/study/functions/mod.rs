@@ -5,7 +5,6 @@
 mod coupon;
 mod drop;
 mod law_fit;
-mod numbers;
 mod output;
 mod reading;
 mod signal;
@@ -14,7 +13,7 @@ use rhai::Engine;
 
 use crate::script::{self, Limits, OutputCollector, Session, ShippedModule};
 
-pub use coupon::Reduced;
+pub use crate::functions::coupon::Reduced;
 
 /// The module of numbers and tables that is part of droptower, which every script can import.
 pub(crate) const TABLES: ShippedModule =
@@ -26,8 +25,8 @@ pub fn engine(limits: Limits) -> Engine {
     Session::of_engine(&engine).ship(&[TABLES]);
     signal::register(&mut engine);
     signal::register_measures(&mut engine);
-    numbers::register_random(&mut engine);
-    numbers::register_threshold(&mut engine);
+    signal::register_random(&mut engine);
+    signal::register_threshold(&mut engine);
     drop::register(&mut engine);
     coupon::register_curves(&mut engine);
     coupon::register(&mut engine);

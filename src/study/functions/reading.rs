@@ -1,10 +1,9 @@
 //! Recordings and tables that scripts read.
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Identifier, Map, NativeCallContext};
-use thiserror::Error;
 
 use crate::script::{HostResult, Session, refuse, refuse_hinted};
 use base::file::{FileError, read_text};
@@ -109,60 +108,45 @@ const LONGEST: u64 = 1 << 20;
 /// Most cells that are read, the limit of lists.
 const MOST_CELLS: usize = 10_000;
 
-/// Why a table cannot be read.
-#[derive(Debug, Error)]
-enum TableError {
-    #[error("cannot read {}: {source}", path.display())]
-    Open { path: PathBuf, source: FileError },
-    #[error("{} is longer than {LONGEST} bytes or has more than {MOST_CELLS} cells; read_recording is for signals", path.display())]
-    TooLong { path: PathBuf },
-    #[error("{} is not a file", path.display())]
-    NoFile { path: PathBuf },
-    #[error("{}: two columns are called `{name}`", path.display())]
-    Duplicate { path: PathBuf, name: String },
-    #[error("{}: `{name}` of row {row} is not finite; leave the cell empty where there is no number", path.display())]
-    NotFinite { path: PathBuf, row: usize, name: String },
-    #[error("{}: {source}", path.display())]
-    Malformed { path: PathBuf, source: csv::Error },
-}
-
 /// Offers `read_table` to scripts that may read files.
 pub(super) fn register_tables(engine: &mut Engine) {
-    engine.register_fn("read_table", |path: &str| read_table(Path::new(path)).map_err(refuse));
+    engine.register_fn("read_table", |path: &str| read_table(Path::new(path)));
 }
 
 /// One map per row, by the names in the header; `#` lines are comments, an empty cell is `()`.
-fn read_table(path: &Path) -> Result<Array, TableError> {
-    let malformed = |source| TableError::Malformed { path: path.into(), source };
-    let text = table_text(path)?;
+fn read_table(path: &Path) -> HostResult<Array> {
+    let shown = path.display();
+    let malformed = |error: csv::Error| refuse(format!("{shown}: {error}"));
+    let too_long = || {
+        let limit = format!("is longer than {LONGEST} bytes or has more than {MOST_CELLS} cells");
+        refuse(format!("{shown} {limit}; read_recording is for signals"))
+    };
+    let text = read_text(path, LONGEST).map_err(|error| match error {
+        FileError::TooLarge { .. } => too_long(),
+        FileError::NotAFile => refuse(format!("{shown} is not a file")),
+        error => refuse(format!("cannot read {shown}: {error}")),
+    })?;
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let names = reader.headers().map_err(malformed)?.clone();
     let mut seen = HashSet::new();
     if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
-        return Err(TableError::Duplicate { path: path.into(), name: name.into() });
+        return Err(refuse(format!("{shown}: two columns are called `{name}`")));
     }
     let mut rows = Array::new();
     for record in reader.records() {
         let record = record.map_err(malformed)?;
         let row = rows.len() + 1;
-        let not_finite = |name: &str| TableError::NotFinite { path: path.into(), row, name: name.into() };
+        let not_finite = |name: &str| {
+            let message = format!("{shown}: `{name}` of row {row} is not finite");
+            refuse(format!("{message}; leave the cell empty where there is no number"))
+        };
         let pair = |(name, text): (&str, &str)| Ok((name.into(), cell(text).ok_or_else(|| not_finite(name))?));
-        let row = names.iter().zip(&record).map(pair).collect::<Result<Map, _>>()?;
-        rows.push(row.into());
+        rows.push(names.iter().zip(&record).map(pair).collect::<HostResult<Map>>()?.into());
         if rows.len() * names.len() > MOST_CELLS {
-            return Err(TableError::TooLong { path: path.into() });
+            return Err(too_long());
         }
     }
     Ok(rows)
-}
-
-fn table_text(path: &Path) -> Result<String, TableError> {
-    let place = || path.into();
-    read_text(path, LONGEST).map_err(|error| match error {
-        FileError::TooLarge { .. } => TableError::TooLong { path: place() },
-        FileError::NotAFile => TableError::NoFile { path: place() },
-        source => TableError::Open { path: place(), source },
-    })
 }
 
 /// A number or a text; none for a number that is not finite.

@@ -19,19 +19,19 @@
 mod bindings;
 mod convergence;
 mod evaluator;
-mod linearization;
 mod method;
 mod objective;
 mod options;
 mod search;
 mod warning;
 
-pub(crate) use bindings::{HostSearch, failure};
-pub use bindings::{SearchEvent, SearchHost, SearchStart, register};
-pub use convergence::{Labels, Phase, Progress, SignalLabel};
-pub use evaluator::{Evaluator, TrialEvent, TrialPool, with_evaluator};
-pub use linearization::{linearize_at_start, weigh_at_start};
-pub use objective::{Evaluation, FatalError, Objective, ObjectiveValue, SearchError, Trial};
-pub use options::{Bounds, Method, Point, Search, Side, Starts};
-pub use search::{Iteration, SearchResult, StartResult, Step, StopReason, minimize};
-pub use warning::{CODES, Warning};
+pub(crate) use crate::identify::bindings::{HostSearch, failure};
+pub use crate::identify::bindings::{SearchEvent, SearchHost, SearchStart, register};
+pub use crate::identify::convergence::{Labels, Phase, Progress, SignalLabel};
+pub use crate::identify::evaluator::{
+    Evaluator, TrialEvent, TrialPool, linearize_at_start, weigh_at_start, with_evaluator,
+};
+pub use crate::identify::objective::{Evaluation, FatalError, Objective, ObjectiveValue, SearchError, Trial};
+pub use crate::identify::options::{Bounds, Method, Point, Search, Side, Starts};
+pub use crate::identify::search::{Iteration, SearchResult, StartResult, Step, StopReason, minimize};
+pub use crate::identify::warning::{CODES, Warning};

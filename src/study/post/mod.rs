@@ -5,30 +5,26 @@ pub mod comparison;
 mod field;
 mod figures;
 mod impact;
-mod indent;
-mod inflation;
+mod quasi_static;
 mod reference;
 mod remedies;
 mod results;
 pub(crate) mod run;
-mod stretch;
 #[cfg(test)]
 mod tests;
 mod warning;
 
-pub use audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
-pub use comparison::RunComparison;
-pub use field::{FieldFigures, FieldTime};
-pub use figures::{
+pub use crate::post::audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
+pub use crate::post::comparison::RunComparison;
+pub use crate::post::field::{FieldFigures, FieldTime};
+pub use crate::post::figures::{
     FigureName, HEADLINES, Headline, LEAST_SHARE, TestKind, answer, badness, descends, figures, further, headlines_of,
     is_known, is_of_script, is_result, is_too_coarse, ranking_figure, reached, reading,
 };
-pub use impact::{BodyFigures, Impact, lowest_point};
-pub use indent::Indent;
-pub use inflation::Inflation;
-pub use reference::{ReferenceComparison, ReferenceError};
-pub use remedies::failure as failure_message;
-pub use results::{EvaluateError, HEADER, Measures, Plan, PrepareError, Results};
-pub use run::Run;
-pub use stretch::Stretch;
-pub use warning::{CODES, FAILED_RUN, RunFindings, VIRTUAL_REFERENCE, Warning};
+pub use crate::post::impact::{BodyFigures, Impact, lowest_point};
+pub use crate::post::quasi_static::{Indent, Inflation, Stretch};
+pub use crate::post::reference::{ReferenceComparison, ReferenceError};
+pub use crate::post::remedies::failure as failure_message;
+pub use crate::post::results::{EvaluateError, HEADER, Measures, Plan, PrepareError, Results};
+pub use crate::post::run::Run;
+pub use crate::post::warning::{CODES, FAILED_RUN, RunFindings, VIRTUAL_REFERENCE, Warning};

@@ -1,11 +1,11 @@
 //! The recording that a run is compared with, brought to the run's own filter, and the displacement field.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use thiserror::Error;
-
 use super::Warning;
+use crate::Error;
 use lab::Error as LabError;
 use lab::dic::{Field, FieldOptions};
 use lab::experiment;
@@ -54,64 +54,24 @@ pub struct ReferenceComparison {
 const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_filtered_m_s2` or `displacement_m` and is \
                    read as a raw recording, from the rest before the release on";
 
+/// Why a window that ends at the lowest point does not end.
+const NO_LOWEST_POINT: &str = "the recording has no lowest point: displacement has gaps, and acceleration does not bring the \
+                               impactor to rest";
+
 /// Why a recording cannot be compared with a run.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The file or the field cannot be read.
     #[error(transparent)]
     Read(#[from] LabError),
-    /// A raw recording lacks a channel, or has several that could be it.
-    #[error("{}: {source}; {RAW}", path.display())]
-    Channels {
-        /// The recording.
-        path: PathBuf,
-        /// Why.
-        source: LabError,
-    },
-    /// A raw recording cannot be reduced.
-    #[error("{}: {source}; {RAW}", path.display())]
-    Drop {
-        /// The recording.
-        path: PathBuf,
-        /// Why.
-        source: LabError,
-    },
-    /// A raw recording of a drop with another loading.
-    #[error("{} is the raw recording of a drop: only an impact with an impactor can be compared with it", path.display())]
-    NotAnImpact {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// A raw recording whose reduction finds what an error was given of.
-    #[error(
-        "{}: `{error}` is the error of `{given}`, which is not given: write both, or neither; {RAW}",
-        path.display()
-    )]
-    ErrorAlone {
-        /// The recording.
-        path: PathBuf,
-        /// The key of the error.
-        error: &'static str,
-        /// The key that it is an error of.
-        given: &'static str,
-    },
-    /// The acceleration cannot be resampled or filtered.
-    #[error("{}: acceleration: {source}", path.display())]
-    Filter {
-        /// The recording.
-        path: PathBuf,
-        /// Why.
-        source: LabError,
-    },
-    /// The window ends at the lowest point, which the recording does not have.
-    #[error(
-        "{}: the recording has no lowest point: displacement has gaps, and acceleration does not bring the impactor to rest",
-        path.display()
-    )]
-    NoLowestPoint {
-        /// The recording.
-        path: PathBuf,
-    },
+    /// The recording does not suit the run.
+    #[error(transparent)]
+    Refused(#[from] Error),
+}
+
+/// What is wrong with a recording.
+fn refused(path: &Path, why: impl Display) -> Error {
+    Error::new(format!("{}: {why}", path.display()))
 }
 
 impl ReferenceComparison {
@@ -142,7 +102,7 @@ impl ReferenceComparison {
             (Window::Loading, Some(path)) => {
                 let motion = raw.as_ref().or(filtered.as_ref());
                 let lowest = time_of_lowest_point(motion, displacement.as_ref(), model);
-                [0.0, lowest.ok_or_else(|| ReferenceError::NoLowestPoint { path: path.clone() })?]
+                [0.0, lowest.ok_or_else(|| refused(path, NO_LOWEST_POINT))?]
             }
         };
         let acceleration = filtered;
@@ -304,15 +264,15 @@ impl Signals {
         model: &Model,
         reference: &Reference,
     ) -> Result<Signals, ReferenceError> {
-        let path = || path.to_owned();
         let (Some(Impact { gravity, .. }), Some(impactor)) =
             (model.loading.impact(), model.impactors.get(reference.impactor))
         else {
-            return Err(ReferenceError::NotAnImpact { path: path() });
+            let what = "is the raw recording of a drop: only an impact with an impactor can be compared with it";
+            return Err(Error::new(format!("{} {what}", path.display())).into());
         };
         let Impactor { mass, velocity: [_, _, velocity], .. } = impactor;
-        let sensed = DropChannels::find(measurement, &names(reference));
-        let sensed = sensed.map_err(|source| ReferenceError::Channels { path: path(), source })?;
+        let raw = |why: &dyn Display| refused(path, format!("{why}; {RAW}"));
+        let sensed = DropChannels::find(measurement, &names(reference)).map_err(|source| raw(&source))?;
         let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
         // Where nothing is written, the impactor reached the velocity of the run.
         let is_known = reference.drop_height.is_some() || reference.speed.is_some() || reference.contact_time.is_some();
@@ -322,7 +282,8 @@ impl Signals {
         ];
         let is_alone = |(_, error, _, given): &(_, Option<f64>, _, Option<f64>)| error.is_some() && given.is_none();
         if let Some((error, _, given, _)) = needed.into_iter().find(is_alone) {
-            return Err(ReferenceError::ErrorAlone { path: path(), error, given });
+            let why = format!("`{error}` is the error of `{given}`, which is not given: write both, or neither");
+            return Err(raw(&why).into());
         }
         // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.
         let reduction = Reduction {
@@ -335,7 +296,7 @@ impl Signals {
             contact_error: reference.contact_error,
             guide_friction: reference.guide_friction,
         };
-        let drop = sensed.reduce(&tower, &reduction).map_err(|source| ReferenceError::Drop { path: path(), source })?;
+        let drop = sensed.reduce(&tower, &reduction).map_err(|source| raw(&source))?;
         let channel = |name| drop.signals.series(name);
         let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
         let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
@@ -377,17 +338,16 @@ fn channels(reference: &Reference) -> ChannelSelection {
 }
 
 /// The recording through the filter of the run, on equal steps.
-fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, ReferenceError> {
-    let path = || path.to_owned();
+fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, Error> {
+    let wrong = |source: LabError| refused(path, format!("acceleration: {source}"));
     let Some(class) = model.output.filter else {
         return Ok(raw.clone());
     };
     let even = match resample::common_step(raw.time()) {
         Some(_) => raw.clone(),
-        None => resample::uniform(raw, 1.0 / model.output.sample_rate)
-            .map_err(|source| ReferenceError::Filter { path: path(), source })?,
+        None => resample::uniform(raw, 1.0 / model.output.sample_rate).map_err(wrong)?,
     };
-    filter::channel(&even, class, Standard::Iso6487).map_err(|source| ReferenceError::Filter { path: path(), source })
+    filter::channel(&even, class, Standard::Iso6487).map_err(wrong)
 }
 
 /// Time of the lowest point of the recording: of the largest travel where it was measured throughout, else of the first

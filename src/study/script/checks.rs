@@ -1,11 +1,11 @@
 //! What is found in a script before it runs: calls of undefined functions, unknown options, unknown fields.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use rhai::{AST, ASTNode, Engine, Expr, FnCallExpr, Position, Stmt};
+use rhai::{AST, ASTFlags, ASTNode, Engine, Expr, FnAccess, FnCallExpr, Position, Stmt};
 
-use super::module::Unit;
-use super::{CallOptions, Fault, Fields};
+use crate::script::module::Unit;
+use crate::script::{CallOptions, Fault, Fields};
 use base::diagnostic::closest;
 use base::removed;
 
@@ -17,7 +17,7 @@ const BUILT_IN: [&str; 9] =
 ///
 /// A method may also be a closure in a map, so a method is accepted where one of the texts has its name as a key, a
 /// property or a text.
-pub(super) fn undefined_calls(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
+pub(crate) fn undefined_calls(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
     let mut known: BTreeSet<String> = engine
         .collect_fn_metadata(None, |function| Some(function.metadata.name.to_string()), true)
         .into_iter()
@@ -61,15 +61,15 @@ struct Call {
 
 /// The calls of a script, and other names in it.
 #[derive(Default)]
-pub(super) struct Words {
+pub(crate) struct Words {
     calls: Vec<Call>,
     /// Keys of maps, properties and texts.
-    pub(super) mentioned: HashSet<String>,
+    pub(crate) mentioned: HashSet<String>,
     variables: HashSet<String>,
 }
 
 impl Words {
-    pub(super) fn from_program(program: &AST) -> Words {
+    pub(crate) fn from_program(program: &AST) -> Words {
         let mut words = Words::default();
         program.walk(&mut |path: &[ASTNode]| {
             match path.last() {
@@ -110,7 +110,7 @@ impl Words {
 
 /// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
 /// it has as a key, a property or a text, are not those of the host.
-pub(super) fn unknown_options(known: &[CallOptions], units: &[Unit]) -> Vec<Fault> {
+pub(crate) fn unknown_options(known: &[CallOptions], units: &[Unit]) -> Vec<Fault> {
     let mut own: HashSet<String> = HashSet::new();
     for unit in units {
         own.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
@@ -132,7 +132,7 @@ fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) ->
             for options in known.iter().filter(|options| options.function == call.name.as_str()) {
                 let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
                 for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
-                    if !options.names.iter().any(|names| names.contains(&key.name.as_str())) {
+                    if !(options.names)().contains(&key.name.as_str()) {
                         found.push((*options, key.name.to_string(), key.pos));
                     }
                 }
@@ -143,10 +143,11 @@ fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) ->
     found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
     let fault = |(options, key, position): (CallOptions, String, Position)| {
         let message = format!("{} has no option `{key}`", options.of);
-        let names = || options.names.iter().copied().flatten().copied();
+        let names = (options.names)();
         let gone = removed::function(&format!("{}.{key}", options.function));
-        let hint = gone.or_else(|| closest(&key, names()).map(|close| format!("did you mean `{close}`?")));
-        let known = || format!("it takes {}", names().collect::<Vec<_>>().join(", "));
+        let close = || closest(&key, names.iter().copied()).map(|close| format!("did you mean `{close}`?"));
+        let hint = gone.or_else(close);
+        let known = || format!("it takes {}", names.join(", "));
         Fault::located(&unit.source, position, message).with_hint(Some(hint.unwrap_or_else(known)))
     };
     found.into_iter().map(fault).collect()
@@ -174,7 +175,7 @@ fn as_map(expression: &Expr) -> Option<impl Iterator<Item = (&rhai::Ident, &Expr
 
 /// Every access `.<map>.<field>` in `units` to a field that the map cannot have, in the order of the texts. A program
 /// that has the name of the map, or of the field, as a key or a text may make such a map itself.
-pub(super) fn unknown_fields(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
+pub(crate) fn unknown_fields(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
     let mut own: HashSet<String> = HashSet::new();
     let found: Vec<Vec<Access>> = units.iter().map(|unit| accesses(unit, &mut own)).collect();
     let fault = |unit: &Unit, (map, field, position): Access| {
@@ -229,14 +230,186 @@ fn first_property(expression: &Expr) -> Option<(String, Position)> {
     }
 }
 
+/// The namespace of the constants of a text within its functions.
+const CONSTANTS: &str = "global";
+
+/// Everything in `units` that breaks a rule; the script is the first of them.
+pub(crate) fn broken(units: &[Unit]) -> Vec<Fault> {
+    let mut faults: Vec<Fault> = units.iter().flat_map(late_imports).collect();
+    faults.extend(units.iter().skip(1).flat_map(statements));
+    faults.extend(common_functions(units));
+    faults.extend(common_aliases(units));
+    faults.extend(units.iter().flat_map(|unit| uses(unit, units)));
+    faults
+}
+
+/// Imports within a block or a function.
+fn late_imports(unit: &Unit) -> Vec<Fault> {
+    let is_import = |statement: &&Stmt| matches!(statement, Stmt::Import(..));
+    let outer: HashSet<Position> = unit.program.statements().iter().filter(is_import).map(Stmt::position).collect();
+    let mut faults = Vec::new();
+    unit.program.walk(&mut |path: &[ASTNode]| {
+        if let Some(ASTNode::Stmt(Stmt::Import(_, position))) = path.last()
+            && !outer.contains(position)
+        {
+            let fault = Fault::located(&unit.source, *position, "a module is imported within a block".into());
+            faults.push(fault.with_hint(Some("write the import at the beginning of the file".into())));
+        }
+        true
+    });
+    faults
+}
+
+/// Statements of a module besides functions, constants and imports.
+fn statements(unit: &Unit) -> Vec<Fault> {
+    let other = unit.program.statements().iter().filter(|statement| match statement {
+        Stmt::Import(..) | Stmt::Noop(_) => false,
+        Stmt::Var(_, flags, _) => !flags.contains(ASTFlags::CONSTANT),
+        _ => true,
+    });
+    let fault = |statement: &Stmt| {
+        let fault =
+            Fault::located(&unit.source, statement.position(), "a module has functions, constants and imports".into());
+        let hint = match statement {
+            Stmt::Var(..) => "a constant begins with `const`",
+            _ => "write it into a function that the script calls",
+        };
+        fault.with_hint(Some(hint.into()))
+    };
+    other.map(fault).collect()
+}
+
+/// Functions of two texts with the same name and number of values: the interpreter would call either.
+fn common_functions(units: &[Unit]) -> Vec<Fault> {
+    let mut first: BTreeMap<(String, usize), &Unit> = BTreeMap::new();
+    let mut faults = Vec::new();
+    for unit in units {
+        for function in unit.program.iter_functions().filter(|function| !Unit::is_closure(function.name)) {
+            let key = (function.name.to_owned(), function.params.len());
+            match first.get(&key) {
+                Some(other) => faults.push(clash(unit, other, function.name)),
+                None => drop(first.insert(key, unit)),
+            }
+        }
+    }
+    faults
+}
+
+fn clash(unit: &Unit, other: &Unit, name: &str) -> Fault {
+    // The interpreter does not tell where a function is defined.
+    let line = unit.source.text.lines().position(|line| {
+        let words: Vec<&str> = line.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+        words.windows(2).any(|pair| pair == ["fn", name])
+    });
+    let message = format!("{} has a function `{name}`, too", other.source.file.display());
+    let fault = Fault::located(&unit.source, Position::NONE, message);
+    // Its positions end at line 65 535.
+    Fault { line: line.map_or(1, |line| line + 1), ..fault }
+        .with_hint(Some("a script and its modules have functions of different names".into()))
+}
+
+/// Names that stand for different modules in two texts.
+fn common_aliases(units: &[Unit]) -> Vec<Fault> {
+    let mut first: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut faults = Vec::new();
+    for unit in units {
+        for import in &unit.imports {
+            let module = *first.entry(&import.alias).or_insert(&import.name);
+            if module != import.name {
+                let message = format!("`{}` is the module \"{module}\" elsewhere in this program", import.alias);
+                let hint = Some("import it under another name".into());
+                faults.push(Fault::located(&unit.source, import.position, message).with_hint(hint));
+            }
+        }
+    }
+    faults
+}
+
+/// Calls and constants of modules that these do not have.
+fn uses(unit: &Unit, units: &[Unit]) -> Vec<Fault> {
+    let mut found: Vec<(Vec<String>, String, Option<usize>, Position)> = Vec::new();
+    unit.program.walk(&mut |path: &[ASTNode]| {
+        match path.last() {
+            Some(ASTNode::Expr(Expr::FnCall(call, position))) | Some(ASTNode::Stmt(Stmt::FnCall(call, position))) => {
+                let namespace: Vec<String> = call.namespace.path.iter().map(|part| part.name.to_string()).collect();
+                found.push((namespace, call.name.to_string(), Some(call.args.len()), *position));
+            }
+            Some(ASTNode::Expr(Expr::Variable(variable, _, position))) => {
+                let namespace: Vec<String> = variable.2.path.iter().map(|part| part.name.to_string()).collect();
+                found.push((namespace, variable.1.to_string(), None, *position));
+            }
+            _ => {}
+        }
+        true
+    });
+    found.retain(|(namespace, ..)| !namespace.is_empty());
+    found.sort_by_key(|(.., position)| (position.line(), position.position()));
+    let fault = |(namespace, name, values, position): (Vec<String>, String, Option<usize>, Position)| {
+        let (message, hint) = match values {
+            _ if namespace[0] == CONSTANTS => of_constants(unit)?,
+            Some(values) => of_call(unit.imported(units, &namespace), &namespace, &name, values)?,
+            None => of_constant(unit.imported(units, &namespace), &namespace, &name)?,
+        };
+        Some(Fault::located(&unit.source, position, message).with_hint(hint))
+    };
+    found.into_iter().filter_map(fault).collect()
+}
+
+type Refusal = (String, Option<String>);
+
+/// A closure that is called by a module would see the constants of the module.
+fn of_constants(unit: &Unit) -> Option<Refusal> {
+    let message = "a text that imports modules has no constants within functions";
+    (!unit.imports.is_empty()).then(|| (message.into(), Some("hand the value to the function as an argument".into())))
+}
+
+fn of_call(module: Option<&Unit>, namespace: &[String], name: &str, values: usize) -> Option<Refusal> {
+    let path = namespace.join("::");
+    let Some(module) = module else { return Some((format!("there is no module `{path}` here"), None)) };
+    let public = || module.program.iter_functions().filter(|function| function.access == FnAccess::Public);
+    let counts: Vec<usize> =
+        public().filter(|function| function.name == name).map(|function| function.params.len()).collect();
+    if counts.contains(&values) {
+        return None;
+    }
+    if let Some(count) = counts.first() {
+        let plural = if *count == 1 { "value" } else { "values" };
+        return Some((format!("`{path}::{name}` takes {count} {plural}, not {values}"), None));
+    }
+    let names = public().map(|function| function.name).filter(|name| !Unit::is_closure(name));
+    let hint = closest(name, names).map(|close| format!("did you mean `{path}::{close}`?"));
+    Some((format!("the module `{path}` has no function `{name}`"), hint))
+}
+
+fn of_constant(module: Option<&Unit>, namespace: &[String], name: &str) -> Option<Refusal> {
+    let path = namespace.join("::");
+    let Some(module) = module else { return Some((format!("there is no module `{path}` here"), None)) };
+    let names = constants(&module.program);
+    if names.iter().any(|constant| constant == name) {
+        return None;
+    }
+    let hint = closest(name, names.iter().map(String::as_str)).map(|close| format!("did you mean `{path}::{close}`?"));
+    Some((format!("the module `{path}` has no constant `{name}`"), hint))
+}
+
+/// The names of the constants of a module.
+fn constants(program: &AST) -> Vec<String> {
+    let name = |statement: &Stmt| match statement {
+        Stmt::Var(variable, flags, _) if flags.contains(ASTFlags::CONSTANT) => Some(variable.0.name.to_string()),
+        _ => None,
+    };
+    program.statements().iter().filter_map(name).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
     use rhai::{Array, Dynamic, FLOAT, INT, Map, Scope};
 
+    use crate::script::{Limits, Script, Session, engine, refuse_key};
+
     use super::*;
-    use crate::script::{Fault, Limits, Script, Session, engine, refuse_key};
 
     fn faults_of_calls(text: &str) -> Vec<Fault> {
         let mut engine = engine(Limits::POST);
@@ -301,10 +474,10 @@ mod tests {
         engine.register_fn("fit", |_: Map| {}).register_fn("draw", |_: Array, _: Map| {});
         let session = Session::of_engine(&engine);
         let of = |of, function, inside, names| CallOptions { of, function, inside, names };
-        session.declare_options(of("fit", "fit", None, &[&["tests", "share"], &["parameters"]]));
-        session.declare_options(of("a test of fit", "fit", Some("tests"), &[&["weight"]]));
-        session.declare_options(of("a parameter of fit", "fit", Some("parameters"), &[&["start"]]));
-        session.declare_options(of("draw", "draw", None, &[&["samples"]]));
+        session.declare_options(of("fit", "fit", None, || vec!["tests", "share", "parameters"]));
+        session.declare_options(of("a test of fit", "fit", Some("tests"), || vec!["weight"]));
+        session.declare_options(of("a parameter of fit", "fit", Some("parameters"), || vec!["start"]));
+        session.declare_options(of("draw", "draw", None, || vec!["samples"]));
         let found = Script::compile(&engine, &Scope::new(), Path::new("s.rhai"), text).err().unwrap_or_default();
         found.iter().map(Fault::to_string).collect()
     }

@@ -9,24 +9,23 @@ mod fault;
 mod host;
 mod module;
 mod output;
-mod plots;
-mod rules;
 mod session;
 mod values;
 mod warning;
 
-pub use about::{About, Declared, Kind, argument_value};
-pub use fault::{
+pub use crate::script::about::{About, Declared, Kind, argument_value};
+pub use crate::script::fault::{
     Fault, HostResult, at_key, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_hinted, refuse_key,
     refused_key, thrown,
 };
-pub use host::{Limits, ReadError, STACK, Script, engine, stop_beyond};
-pub use module::{LONGEST_SCRIPT, SHIPPED, ShippedModule, SourceText};
-pub use output::{File, Files, Message, OutputCollector, Row, RunFindings, ScriptOutput};
-pub(crate) use output::{MOST_BYTES, too_many_bytes};
-pub use plots::{Compared, ConvergenceHistory, Fit, Iterate, Over, Target};
-pub(crate) use session::catch as catch_panics;
-pub(crate) use session::check_stop;
-pub use session::{CallOptions, Fields, Session, Trial, silence_panics};
-pub use values::{Arguments, Options, findings_map, from_json, number, to_json, window};
-pub use warning::{CODES, Warning};
+pub use crate::script::host::{Limits, ReadError, STACK, Script, engine, stop_beyond};
+pub use crate::script::module::{LONGEST_SCRIPT, SHIPPED, ShippedModule, SourceText};
+pub use crate::script::output::{
+    Compared, ConvergenceHistory, File, Files, Fit, Iterate, Message, OutputCollector, Over, Row, RunFindings,
+    ScriptOutput, Target,
+};
+pub(crate) use crate::script::output::{MOST_BYTES, too_many_bytes};
+pub use crate::script::session::{CallOptions, Fields, Session, Trial, silence_panics};
+pub(crate) use crate::script::session::{catch as catch_panics, check_stop};
+pub use crate::script::values::{Arguments, Options, findings_map, from_json, number, record, shown, to_json, window};
+pub use crate::script::warning::{CODES, Warning};

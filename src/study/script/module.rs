@@ -3,23 +3,22 @@
 //!
 //! All of a program is read before it runs. The interpreter looks names up in whatever it has loaded: a function of a module
 //! that calls back sees the names of the caller and its own. So that every name means one thing, wherever it is called,
-//! [`rules`] has what a script and its modules may not do.
+//! [`checks`] has what a script and its modules may not do.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crate::Error;
+use crate::script::{Fault, checks};
+use base::diagnostic::{closest, shown_path};
+use base::file;
 use rhai::{
     AST, ASTFlags, Engine, EvalAltResult, Expr, FnNamespace, GlobalRuntimeState, Ident, Module, ModuleResolver,
     Position, Scope, Shared, Stmt,
 };
-use thiserror::Error;
-
-use super::rules;
-use crate::script::Fault;
-use base::diagnostic::{closest, shown_path};
-use base::file;
 
 /// Longest script or module that is read, bytes.
 pub const LONGEST_SCRIPT: u64 = 1 << 20;
@@ -110,7 +109,7 @@ pub(super) fn load(
     loader.follow(0, &mut Vec::new());
     let Loader { units, mut faults, .. } = loader;
     if faults.is_empty() {
-        faults = rules::broken(&units);
+        faults = checks::broken(&units);
     }
     if faults.is_empty() { Ok(units) } else { Err(faults) }
 }
@@ -147,7 +146,7 @@ impl Loader<'_> {
             let found = match self.finder.find(&import.name) {
                 Ok(found) => found,
                 Err(error) => {
-                    refuse(error.to_string(), error.hint());
+                    refuse(error.to_string(), error.hint().map(str::to_owned));
                     continue;
                 }
             };
@@ -305,36 +304,12 @@ const EXTENSION: &str = "rhai";
 /// Folder beside a script in which its modules may be.
 const FOLDER: &str = "modules";
 
-/// Why a module cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub(super) enum FindError {
-    #[error("`{name}` cannot name a module")]
-    Name { name: String },
-    #[error("there is no module `{name}`")]
-    Missing { name: String, hint: String },
-    #[error("the module `{name}` leads out of the folder of the script, to {}", shown_path(target))]
-    Outside { name: String, target: PathBuf },
-    #[error(
-        "a post script imports only what droptower ships: its run is repeated from its folder, which has no `{name}`"
-    )]
-    NotOffered { name: String },
-    #[error("cannot read {}: {cause}", shown_path(path))]
-    Read { path: PathBuf, cause: String },
-    #[error("the script would import itself")]
-    Itself,
+fn missing(name: &str, hint: String) -> Error {
+    Error::new(format!("there is no module `{name}`")).with_hint(hint)
 }
 
-impl FindError {
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            FindError::Name { .. } => Some(
-                "names of letters, digits, `-` and `_`, in folders below that of the script: \"tower/film\"".into(),
-            ),
-            FindError::Missing { hint, .. } => Some(hint.clone()),
-            FindError::NotOffered { .. } => Some("write the functions into the script".into()),
-            _ => None,
-        }
-    }
+fn unreadable(path: &Path, cause: &dyn Display) -> Error {
+    Error::new(format!("cannot read {}: {cause}", shown_path(path)))
 }
 
 /// Finds the modules of one script.
@@ -348,53 +323,57 @@ pub(super) struct Finder {
 
 impl Finder {
     /// The text of the module `name`.
-    pub fn find(&self, name: &str) -> Result<SourceText, FindError> {
+    pub fn find(&self, name: &str) -> Result<SourceText, Error> {
         if name.starts_with(SHIPPED) {
             return self.find_shipped(name);
         }
         if !is_name(name) {
-            return Err(FindError::Name { name: name.chars().take(LONGEST_NAME).collect() });
+            let name: String = name.chars().take(LONGEST_NAME).collect();
+            let hint = "names of letters, digits, `-` and `_`, in folders below that of the script: \"tower/film\"";
+            return Err(Error::new(format!("`{name}` cannot name a module")).with_hint(hint));
         }
         if !self.reads_files {
-            return Err(FindError::NotOffered { name: name.into() });
+            let offered = "a post script imports only what droptower ships";
+            return Err(Error::new(format!("{offered}: its run is repeated from its folder, which has no `{name}`"))
+                .with_hint("write the functions into the script"));
         }
         let folder = self.script.parent().unwrap_or(Path::new(""));
         let file = format!("{name}.{EXTENSION}");
         let places = [folder.join(&file), folder.join(FOLDER).join(&file)];
         let Some(path) = places.iter().find(|path| fs::symlink_metadata(path).is_ok()) else {
             let [beside, below] = places.each_ref().map(|path| shown_path(path));
-            return Err(FindError::Missing { name: name.into(), hint: format!("neither {beside} nor {below} exists") });
+            return Err(missing(name, format!("neither {beside} nor {below} exists")));
         };
         self.check_place(name, path, folder)?;
-        let text = file::read_text(path, LONGEST_SCRIPT)
-            .map_err(|error| FindError::Read { path: path.clone(), cause: error.to_string() })?;
+        let text = file::read_text(path, LONGEST_SCRIPT).map_err(|error| unreadable(path, &error))?;
         Ok(SourceText::new(path, &text))
     }
 
-    fn find_shipped(&self, name: &str) -> Result<SourceText, FindError> {
+    fn find_shipped(&self, name: &str) -> Result<SourceText, Error> {
         let names = || self.shipped.iter().map(|module| module.name);
         let Some(module) = self.shipped.iter().find(|module| module.name == name) else {
             let hint = match closest(name, names()) {
                 Some(name) => format!("did you mean \"{name}\"?"),
                 None => format!("droptower has {}", names().collect::<Vec<_>>().join(", ")),
             };
-            return Err(FindError::Missing { name: name.into(), hint });
+            return Err(missing(name, hint));
         };
         Ok(SourceText::new(format!("<{name}.{EXTENSION}>"), module.text))
     }
 
     /// Refuses links that lead out of the folder of the script.
-    fn check_place(&self, name: &str, path: &Path, folder: &Path) -> Result<(), FindError> {
+    fn check_place(&self, name: &str, path: &Path, folder: &Path) -> Result<(), Error> {
         let real = |path: &Path| {
             let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-            path.canonicalize().map_err(|error| FindError::Read { path: path.into(), cause: error.to_string() })
+            path.canonicalize().map_err(|error| unreadable(path, &error))
         };
         let target = real(path)?;
         if !target.starts_with(real(folder)?) {
-            return Err(FindError::Outside { name: name.into(), target });
+            let target = shown_path(&target);
+            return Err(Error::new(format!("the module `{name}` leads out of the folder of the script, to {target}")));
         }
         if self.script.canonicalize().is_ok_and(|script| script == target) {
-            return Err(FindError::Itself);
+            return Err(Error::new("the script would import itself"));
         }
         Ok(())
     }
@@ -416,8 +395,8 @@ mod tests {
     use crate::script::{Fault, Limits, Script, Session, engine};
 
     const FILM: &str = "import \"base\" as base;\nconst OPEN = base::TEN - 3;\nfn scaled(x) { base::twice(helper(x)) }\n\
-    private fn helper(x) { x + 100 }\nfn each(list, f) { list.map(|x| helper(f.call(x))) }\nfn maker(k) { |x| helper(x) * k }\n\
-    fn bad(x) {\n    x.nosuch\n}\nfn call_with(f) { f.call(1) }\n";
+private fn helper(x) { x + 100 }\nfn each(list, f) { list.map(|x| helper(f.call(x))) }\nfn maker(k) { |x| helper(x) * k }\n\
+fn bad(x) {\n    x.nosuch\n}\nfn call_with(f) { f.call(1) }\n";
     const BASE: &str = "const TEN = 10;\nfn twice(x) { 2 * x }\nfn ten_times(x) { x * global::TEN }\n";
 
     /// The last value of `text` beside the modules `files`, or its faults.
@@ -536,11 +515,12 @@ mod tests {
         fs::write(outside.path().join("m.rhai"), "fn f() { 1 }").unwrap();
         std::os::unix::fs::symlink(outside.path().join("m.rhai"), inside.path().join("m.rhai")).unwrap();
         let finder = Finder { script: inside.path().join("s.rhai"), shipped: vec![], reads_files: true };
-        assert!(matches!(finder.find("m"), Err(FindError::Outside { .. })));
+        let told = |finder: &Finder, name: &str| finder.find(name).unwrap_err().to_string();
+        assert!(told(&finder, "m").contains("leads out of the folder"));
         fs::write(inside.path().join("s.rhai"), "").unwrap();
-        assert!(matches!(finder.find("s"), Err(FindError::Itself)));
+        assert!(told(&finder, "s").contains("import itself"));
         let post = Finder { reads_files: false, ..finder };
-        assert!(matches!(post.find("m"), Err(FindError::NotOffered { .. })));
+        assert!(told(&post, "m").contains("imports only what droptower ships"));
     }
 
     #[test]

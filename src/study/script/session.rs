@@ -37,8 +37,8 @@ pub struct CallOptions {
     pub function: &'static str,
     /// The option whose own maps have these options: the items of its list, or the values of its map.
     pub inside: Option<&'static str>,
-    /// The names of the options, in groups of which all may be given.
-    pub names: &'static [&'static [&'static str]],
+    /// The names of the options.
+    pub names: fn() -> Vec<&'static str>,
 }
 
 /// State that host functions share while a script runs; each engine has one, as its tag. Cheap to clone.

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 
 use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
+use serde::Serialize;
 use serde_json::{Number, Value};
 
 use super::{HostResult, refuse, refuse_key};
@@ -86,7 +87,7 @@ fn plain_to_json(value: &Dynamic) -> HostResult<Value> {
 /// among them.
 pub fn findings_map(findings: &[Finding]) -> Map {
     let warnings = findings.iter().filter(|found| found.is_warning()).map(|found| found.message.clone().into());
-    let all = findings.iter().map(|found| serde_json::to_value(found).map_or(Dynamic::UNIT, |json| from_json(&json)));
+    let all = findings.iter().map(shown);
     Map::from([
         ("warnings".into(), warnings.collect::<Array>().into()),
         ("findings".into(), all.collect::<Array>().into()),
@@ -109,6 +110,18 @@ pub fn from_json(value: &Value) -> Dynamic {
             pairs.collect::<Map>().into()
         }
     }
+}
+
+/// A result as a value of scripts.
+pub fn shown(result: &impl Serialize) -> Dynamic {
+    serde_json::to_value(result).map_or(Dynamic::UNIT, |json| from_json(&json))
+}
+
+/// A result as a map of scripts, with values of the host beside its figures.
+pub fn record<const N: usize>(result: &impl Serialize, host: [(&str, Dynamic); N]) -> Map {
+    let mut map = shown(result).try_cast::<Map>().unwrap_or_default();
+    map.extend(host.into_iter().map(|(name, value)| (name.into(), value)));
+    map
 }
 
 /// The options of a host function: a map from a script.

@@ -1,5 +1,6 @@
 //! A run read from its folder, or a recording from its file.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -32,65 +33,24 @@ pub struct StoredRun {
 /// Why a stored run cannot be read.
 #[derive(Debug, Error)]
 pub enum StoredRunError {
-    /// The path names nothing.
-    #[error("there is no {}", path.display())]
-    Missing {
-        /// Path, as it is given.
-        path: PathBuf,
-    },
-    /// The folder has no signals.
-    #[error("{} is not a run folder of droptower: it has no signals.csv", path.display())]
-    NotARun {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// A file of the run folder cannot be read.
-    #[error("{}: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why it cannot be read.
-        source: FileError,
-    },
-    /// The resolved scenario is not TOML.
-    #[error("{}: {source}", path.display())]
-    Scenario {
-        /// File of the resolved scenario.
-        path: PathBuf,
-        /// The first syntax error.
-        source: Box<toml::de::Error>,
-    },
-    /// The summary is not JSON.
-    #[error("{}: {source}", path.display())]
-    Summary {
-        /// File of the summary.
-        path: PathBuf,
-        /// The first syntax error.
-        source: serde_json::Error,
-    },
-    /// The summary is JSON of another kind.
-    #[error("{} holds no figures: expected an object of names and values", path.display())]
-    NoFigures {
-        /// File of the summary.
-        path: PathBuf,
-    },
     /// The signals cannot be read.
     #[error(transparent)]
     Signals(#[from] lab::Error),
     /// The run failed before its first sample.
-    #[error("{} has no samples: the run failed before the first: {cause}", path.display())]
-    NoSamples {
-        /// The run folder.
-        path: PathBuf,
-        /// Why the run failed.
-        cause: String,
-    },
-    /// The recording has several time axes.
-    #[error("{}: its channels do not share one time axis", path.display())]
-    NoCommonTime {
-        /// The table of signals, or the recording.
-        path: PathBuf,
-    },
+    #[error(transparent)]
+    NoSamples(crate::Error),
+    /// It is no run folder, or damaged.
+    #[error(transparent)]
+    Refused(#[from] crate::Error),
+}
+
+/// What helps where nothing was run, and where a file is damaged.
+const RUN: &str = "`droptower run` writes run folders, such as runs/drop/1008";
+const RUN_AGAIN: &str = "run the scenario again, or compare its signals.csv alone";
+
+/// A file or folder that is refused.
+fn refused(path: &Path, why: impl Display) -> crate::Error {
+    crate::Error::new(format!("{}{why}", path.display()))
 }
 
 impl StoredRun {
@@ -100,7 +60,7 @@ impl StoredRun {
     /// It is neither, or damaged.
     pub fn read(place: &Path) -> Result<StoredRun, StoredRunError> {
         if !place.exists() {
-            return Err(StoredRunError::Missing { path: place.into() });
+            return Err(crate::Error::new(format!("there is no {}", place.display())).with_hint(RUN).into());
         }
         let table = place.join(run_files::SIGNALS);
         if place.is_dir() && table.is_file() {
@@ -109,7 +69,8 @@ impl StoredRun {
         // A folder may be a recording in ISO-MME.
         let is_test = || fs::read_dir(place).into_iter().flatten().flatten().any(|entry| is_mme(&entry.path()));
         if place.is_dir() && !is_test() {
-            return Err(StoredRunError::NotARun { path: place.into() });
+            let why = " is not a run folder of droptower: it has no signals.csv";
+            return Err(refused(place, why).with_hint(RUN).into());
         }
         let (signals, is_virtual) = signals(place)?;
         Ok(StoredRun { place: place.into(), signals, is_virtual, ..StoredRun::default() })
@@ -119,7 +80,8 @@ impl StoredRun {
         let failure = text(&place.join(run_files::FAILURE))?.map(|cause| cause.trim().to_owned());
         let (signals, is_virtual) = signals(table).map_err(|error| match (error, &failure) {
             (StoredRunError::Signals(error), Some(cause)) if *error.kind() == Kind::NoRows => {
-                StoredRunError::NoSamples { path: place.into(), cause: cause.clone() }
+                let why = format!(" has no samples: the run failed before the first: {cause}");
+                StoredRunError::NoSamples(refused(place, why))
             }
             (error, _) => error,
         })?;
@@ -140,33 +102,34 @@ fn is_mme(path: &Path) -> bool {
 
 fn signals(path: &Path) -> Result<(Recording, bool), StoredRunError> {
     let measurement = signal::file::read(path, &ReadOptions::default())?;
-    let recording = measurement.recording().ok_or_else(|| StoredRunError::NoCommonTime { path: path.into() })?;
+    let recording = measurement.recording();
+    let recording = recording.ok_or_else(|| refused(path, ": its channels do not share one time axis"))?;
     Ok((recording, measurement.annotations.is_virtual()))
 }
 
 /// The text of a file; `None` where there is no such file.
-fn text(path: &Path) -> Result<Option<String>, StoredRunError> {
+fn text(path: &Path) -> Result<Option<String>, crate::Error> {
     match file::read_text(path, MOST_BYTES) {
         Ok(text) => Ok(Some(text)),
         Err(FileError::NotFound) => Ok(None),
-        Err(source) => Err(StoredRunError::Unreadable { path: path.into(), source }),
+        Err(source) => Err(refused(path, format!(": {source}"))),
     }
 }
 
-fn scenario(path: &Path) -> Result<String, StoredRunError> {
+fn scenario(path: &Path) -> Result<String, crate::Error> {
     let scenario = text(path)?.unwrap_or_default();
     match scenario.parse::<toml::Table>() {
         Ok(_) => Ok(scenario),
-        Err(source) => Err(StoredRunError::Scenario { path: path.into(), source: source.into() }),
+        Err(source) => Err(refused(path, format!(": {source}")).with_hint(RUN_AGAIN)),
     }
 }
 
-fn summary(path: &Path) -> Result<Map<String, Value>, StoredRunError> {
+fn summary(path: &Path) -> Result<Map<String, Value>, crate::Error> {
     let Some(text) = text(path)? else { return Ok(Map::new()) };
     match serde_json::from_str(&text) {
         Ok(Value::Object(summary)) => Ok(summary),
-        Ok(_) => Err(StoredRunError::NoFigures { path: path.into() }),
-        Err(source) => Err(StoredRunError::Summary { path: path.into(), source }),
+        Ok(_) => Err(refused(path, " holds no figures: expected an object of names and values").with_hint(RUN_AGAIN)),
+        Err(source) => Err(refused(path, format!(": {source}")).with_hint(RUN_AGAIN)),
     }
 }
 

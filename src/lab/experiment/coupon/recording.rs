@@ -1,5 +1,7 @@
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use super::label::{self, Label};
 use super::{Coupon, Curve, Rules, Sample};
 use crate::error::{Error, Kind, refusal};
@@ -228,7 +230,7 @@ impl LoadCell {
 }
 
 /// A recording of the machine: as many times (s) as displacements (m) and forces (N).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TensileRecord {
     /// s.
     pub time: Vec<f64>,

@@ -1,5 +1,7 @@
 use std::collections::BTreeSet;
 
+use serde::Serialize;
+
 use super::average::{SampleStatistics, mean_curve};
 use super::label::{Direction, is_same_speed};
 use super::recording::not_positive;
@@ -63,7 +65,7 @@ impl Sample {
 }
 
 /// The coupons of one direction tested at one speed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeedMeans {
     /// Speed of the jaws apart, m/s.
     pub velocity: f64,
@@ -76,15 +78,18 @@ pub struct SpeedMeans {
     /// Break elongation.
     pub elongation: SampleStatistics,
     /// Mean of the coupons' curves up to the first break.
+    #[serde(skip)]
     pub curve: Curve,
 }
 
 /// The coupons of one direction: means of the means of their speeds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DirectionMeans {
     /// Along which it was cut.
+    #[serde(skip)]
     pub direction: Direction,
     /// From the slowest to the fastest.
+    #[serde(skip)]
     pub speeds: Vec<SpeedMeans>,
     /// Young's modulus, Pa.
     pub modulus: SampleStatistics,
@@ -95,8 +100,10 @@ pub struct DirectionMeans {
     /// Stress at the break, Pa.
     pub break_stress: SampleStatistics,
     /// Mean of the speeds' curves up to the first break.
+    #[serde(skip)]
     pub curve: Curve,
     /// Yield points of that mean curve.
+    #[serde(skip)]
     pub yields: Result<YieldPoints, Error>,
     /// How many of the coupons are virtual: computed, not measured.
     pub virtual_recordings: usize,

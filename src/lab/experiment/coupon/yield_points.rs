@@ -1,3 +1,5 @@
+use serde::Serialize;
+
 use super::Curve;
 use crate::error::{Error, refusal};
 use crate::experiment::fit::least_squares;
@@ -25,7 +27,7 @@ const PLACES: usize = 40;
 const REFINEMENTS: usize = 50;
 
 /// The double yield point of a curve: where straight pieces that fit it best meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct YieldPoints {
     /// Strain and stress (Pa) of the first yield point.
     pub first: [f64; 2],

@@ -1,10 +1,15 @@
 //! The logarithm of a posterior: tests given their unknowns, what is known before, the model's error, and specimens that
 //! scatter about a mean.
 
-use super::surrogate::{Shares, TestSurrogate};
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use crate::calibrate::fit::Fit;
 use crate::calibrate::plan::{BreakUnknowns, Plan, SHARE_BEFORE};
-use uncertainty::ensemble;
-use uncertainty::normal;
+use crate::calibrate::posterior::surrogate::{Shares, TestSurrogate};
+use crate::script::HostResult;
+use uncertainty::{ensemble, normal};
 
 /// Model errors that are considered.
 const SHARES: [f64; 2] = [1e-5, 1.0];
@@ -12,11 +17,11 @@ const SHARES: [f64; 2] = [1e-5, 1.0];
 /// The coordinates of a posterior, in this order: the unknowns; of every unknown that scatters the logarithm of its standard
 /// deviation, then its value in every test; the logarithm of the model's error where it is estimated.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
-    pub(super) unknowns: usize,
-    pub(super) scattered: Vec<Scattered>,
+pub(crate) struct Layout {
+    pub(crate) unknowns: usize,
+    pub(crate) scattered: Vec<Scattered>,
     /// Place of the logarithm of the model's error.
-    pub(super) share: Option<usize>,
+    pub(crate) share: Option<usize>,
     /// What scatters, test by test, and these tests: given the rest, one test does not depend on the other.
     blocks: Vec<Vec<ensemble::Scattered>>,
     of_blocks: Vec<usize>,
@@ -24,19 +29,19 @@ pub(super) struct Layout {
 
 /// An unknown whose value differs from specimen to specimen.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scattered {
-    pub(super) unknown: usize,
+pub(crate) struct Scattered {
+    pub(crate) unknown: usize,
     /// Place of the logarithm of its standard deviation.
-    pub(super) deviation: usize,
+    pub(crate) deviation: usize,
     /// Test and place of the value there.
-    pub(super) values: Vec<(usize, usize)>,
+    pub(crate) values: Vec<(usize, usize)>,
     /// Standard deviation that is expected at most, as the one of a half-normal distribution (assumed).
-    pub(super) expected: f64,
+    pub(crate) expected: f64,
 }
 
 impl Layout {
     /// Of a plan in which these unknowns scatter, each with what is expected of it.
-    pub(super) fn new(plan: &Plan, scattered: &[(usize, f64)]) -> Layout {
+    pub(crate) fn new(plan: &Plan, scattered: &[(usize, f64)]) -> Layout {
         let mut next = plan.unknowns.len();
         let mut place = || {
             next += 1;
@@ -65,13 +70,13 @@ impl Layout {
     }
 
     /// Number of coordinates.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         let scattered: usize = self.scattered.iter().map(|own| 1 + own.values.len()).sum();
         self.unknowns + scattered + usize::from(self.share.is_some())
     }
 
     /// The unknowns as they are in one test.
-    pub(super) fn in_test(&self, state: &[f64], test: usize) -> Vec<f64> {
+    pub(crate) fn in_test(&self, state: &[f64], test: usize) -> Vec<f64> {
         let mut x = state[..self.unknowns].to_vec();
         for own in &self.scattered {
             if let Some((_, place)) = own.values.iter().find(|(of, _)| *of == test) {
@@ -82,23 +87,23 @@ impl Layout {
     }
 
     /// The model's error of a state.
-    pub(super) fn share(&self, state: &[f64], plan: &Plan) -> f64 {
+    pub(crate) fn share(&self, state: &[f64], plan: &Plan) -> f64 {
         self.share.map_or_else(|| plan.first_share(), |place| state[place].exp())
     }
 
     /// The model's errors that states can have.
-    pub(super) fn shares(&self, plan: &Plan) -> Shares {
+    pub(crate) fn shares(&self, plan: &Plan) -> Shares {
         if self.share.is_some() { Shares::Between(SHARES) } else { Shares::Given(plan.first_share()) }
     }
 
     /// The unknown whose value in a specimen a coordinate is, where it is one.
-    pub(super) fn specimen(&self, place: usize) -> Option<usize> {
+    pub(crate) fn specimen(&self, place: usize) -> Option<usize> {
         let is_of = |own: &&Scattered| own.values.iter().any(|(_, own)| *own == place);
         self.scattered.iter().find(is_of).map(|own| own.unknown)
     }
 
     /// What a coordinate is called in results.
-    pub(super) fn name(&self, place: usize, plan: &Plan) -> String {
+    pub(crate) fn name(&self, place: usize, plan: &Plan) -> String {
         if let Some(unknown) = plan.unknowns.get(place) {
             return unknown.name.clone();
         }
@@ -122,14 +127,14 @@ fn mass_between(low: f64, high: f64) -> f64 {
 }
 
 /// A posterior on surrogates of the tests; its logarithm is one up to a constant.
-pub(super) struct Density<'a> {
-    pub(super) plan: &'a Plan,
-    pub(super) layout: &'a Layout,
+pub(crate) struct Density<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) layout: &'a Layout,
     /// The unknowns that act on each test.
-    pub(super) acting: &'a [Vec<usize>],
+    pub(crate) acting: &'a [Vec<usize>],
     /// Unknowns of the break strains of each test.
-    pub(super) breaks: &'a [BreakUnknowns],
-    pub(super) surrogates: &'a [TestSurrogate],
+    pub(crate) breaks: &'a [BreakUnknowns],
+    pub(crate) surrogates: &'a [TestSurrogate],
 }
 
 impl ensemble::Density for Density<'_> {
@@ -197,4 +202,63 @@ impl Density<'_> {
         }
         sum
     }
+}
+
+/// The best point of a search. What tests had of their own there, but scatters about a mean here, is one unknown, which each
+/// test has another value of.
+pub(in crate::calibrate) struct Beginning {
+    pub(in crate::calibrate) plan: Arc<Plan>,
+    /// Coordinates of the unknowns; the mean over the tests of what they had of their own.
+    pub(crate) x: Vec<f64>,
+    /// Coordinates of the unknowns in each test.
+    pub(crate) in_tests: Vec<Vec<f64>>,
+    /// Derivatives of the residuals of tests and distributions by the coordinates.
+    pub(in crate::calibrate) jacobian: DMatrix<f64>,
+    /// The model's error, as a share of each signal.
+    pub(crate) share: f64,
+}
+
+impl Beginning {
+    /// At the end of a search, where no test has these parameters of its own.
+    pub(in crate::calibrate) fn new(plan: &Plan, fit: &Fit, pooled: &[usize]) -> HostResult<Beginning> {
+        let joint = plan.without_own(pooled)?;
+        // What an unknown was in the search: itself, or the same parameter of one test and of another.
+        let of_search = |index: usize| -> Vec<usize> {
+            let own = &joint.unknowns[index];
+            let is_same = |other: &usize| {
+                let other = &plan.unknowns[*other];
+                other.parameter == own.parameter && (pooled.contains(&own.parameter) || other.test == own.test)
+            };
+            (0..plan.unknowns.len()).filter(is_same).collect()
+        };
+        let places: Vec<Vec<usize>> = (0..joint.unknowns.len()).map(of_search).collect();
+        let mean = |places: &Vec<usize>| places.iter().map(|place| fit.x[*place]).sum::<f64>() / places.len() as f64;
+        let x: Vec<f64> = places.iter().map(mean).collect();
+        let in_test = |test: usize| {
+            let acts = |place: &&usize| plan.tests_of(&plan.unknowns[**place]).contains(&test);
+            let own =
+                |(places, mean): (&Vec<usize>, &f64)| places.iter().find(acts).map_or(*mean, |place| fit.x[*place]);
+            places.iter().zip(&x).map(own).collect()
+        };
+        let in_tests = (0..plan.tests.len()).map(in_test).collect();
+        let jacobian = if pooled.is_empty() { fit.jacobian.clone() } else { jacobian([plan, &joint], fit, &places) };
+        Ok(Beginning { plan: Arc::new(joint), x, in_tests, jacobian, share: fit.share })
+    }
+}
+
+/// Of what every test had of its own, one column: residuals of a test depend on its own value alone. Each distribution counts
+/// once.
+fn jacobian([searched, joint]: [&Plan; 2], fit: &Fit, places: &[Vec<usize>]) -> DMatrix<f64> {
+    let with_prior = |plan: &Plan| -> Vec<usize> {
+        (0..plan.unknowns.len()).filter(|index| plan.parameter_of(&plan.unknowns[*index]).prior.is_some()).collect()
+    };
+    let of_tests = fit.jacobian.nrows() - with_prior(searched).len();
+    let priors = with_prior(joint);
+    DMatrix::from_fn(of_tests + priors.len(), places.len(), |row, column| {
+        match priors.get(row.wrapping_sub(of_tests)) {
+            None => places[column].iter().map(|place| fit.jacobian[(row, *place)]).sum(),
+            Some(index) if *index == column => joint.parameter_of(&joint.unknowns[column]).prior_deviation().recip(),
+            Some(_) => 0.0,
+        }
+    })
 }

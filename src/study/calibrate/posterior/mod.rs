@@ -1,28 +1,28 @@
 //! The posterior of a calibration, sampled on surrogates of the tests that are refined where it is.
 
-mod beginning;
 mod density;
 mod surrogate;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+
+use crate::calibrate::error_model::{Shape, Spectrum};
+use crate::calibrate::objective::CalibrationObjective;
+use crate::calibrate::plan::{BreakUnknowns, Plan};
+use crate::calibrate::posterior::density::{Density, Layout};
+use crate::calibrate::posterior::surrogate::{Region, TestSurrogate};
+use crate::calibrate::verdict;
+use crate::calibrate::warning::Warning;
+use crate::identify::{SearchHost, Side};
+use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use uncertainty::design::{self, Levels, Method};
 use uncertainty::ensemble::{self, LARGEST_R_HAT, Samples};
 use uncertainty::random::Stream;
 use uncertainty::statistics::quantiles;
 
-use super::error_model::{Shape, Spectrum};
-use super::objective::CalibrationObjective;
-use super::plan::{BreakUnknowns, Plan};
-use super::verdict;
-use super::warning::Warning;
-use crate::identify::{SearchHost, Side};
-use crate::script::{HostResult, Session, cause, check_stop, refuse};
-pub(super) use beginning::Beginning;
-use density::{Density, Layout};
-use nalgebra::{DMatrix, DVector};
-use surrogate::{Region, TestSurrogate};
+pub(super) use crate::calibrate::posterior::density::Beginning;
 
 /// Half width of the first region of a surrogate, in standard deviations of the linear model whose tests are tempered.
 const FIRST_REGION: f64 = 3.0;

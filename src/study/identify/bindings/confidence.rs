@@ -2,10 +2,9 @@
 
 use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
-use super::SearchHost;
-use super::minimize::{self, ScriptSearch, unknown, unknown_option, word};
-use super::result;
-use crate::identify::linearization::linearize_at_start;
+use crate::identify::bindings::minimize::{self, ScriptSearch, unknown, unknown_option, word};
+use crate::identify::bindings::{SearchHost, result};
+use crate::identify::evaluator::linearize_at_start;
 use crate::identify::objective::SearchError;
 use crate::script::{HostResult, number, refuse};
 use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
@@ -199,12 +198,12 @@ mod tests {
     #[test]
     fn joined_signals_have_the_noise_of_each_part() {
         let script = r#"
-            let quiet = [0.1, -0.2, 0.1, 0.2, -0.1, -0.1, 0.1, -0.1];
-            let loud = [3.0, 4.0, -1.0, -4.0, -3.0, -1.0, 1.0, 1.0];
-            let means = |x| quiet.map(|y| x[0] - y) + loud.map(|y| x[1] - y);
-            let apart = confidence([0.0, 0.0], #{ noise: "white", parts: [8, 8] }, means);
-            apart.upper + confidence([0.0, 0.0], #{ noise: "white" }, means).upper
-        "#;
+        let quiet = [0.1, -0.2, 0.1, 0.2, -0.1, -0.1, 0.1, -0.1];
+        let loud = [3.0, 4.0, -1.0, -4.0, -3.0, -1.0, 1.0, 1.0];
+        let means = |x| quiet.map(|y| x[0] - y) + loud.map(|y| x[1] - y);
+        let apart = confidence([0.0, 0.0], #{ noise: "white", parts: [8, 8] }, means);
+        apart.upper + confidence([0.0, 0.0], #{ noise: "white" }, means).upper
+    "#;
         let found = test_engine(Limits::STUDY).eval::<Array>(script).unwrap();
         let found: Vec<f64> = found.iter().map(|end| end.as_float().unwrap()).collect();
         for (end, squares) in found.iter().zip([0.14_f64, 54.0]) {
