@@ -10,8 +10,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::{Error, refusal};
 use crate::signal::column_name::ColumnName;
-use crate::signal::csv::{Column, Table};
-use crate::signal::{Annotations, ReadOptions, file};
+use crate::signal::{Annotations, MeasuredChannel, Measurement, ReadOptions, file};
 use base::diagnostic::listed;
 use base::units::{Length, Time};
 
@@ -126,8 +125,8 @@ fn pieces(name: &str) -> Vec<&str> {
 /// # Errors
 /// It is no table, has no column of time, or times do not increase.
 pub fn read_times(path: &Path) -> Result<Vec<f64>, Error> {
-    let columns = file::columns(path, &ReadOptions::default())?.columns;
-    let is_time = |column: &&Column| {
+    let columns = file::columns(path, &ReadOptions::default())?.channels;
+    let is_time = |column: &&MeasuredChannel| {
         column.unit.as_ref().is_none_or(|unit| unit.measures(Time::DIMENSION))
             && ColumnName::read(&column.label).is_time()
     };
@@ -135,7 +134,7 @@ pub fn read_times(path: &Path) -> Result<Vec<f64>, Error> {
         [only] if only.unit.as_ref().is_none_or(|unit| unit.measures(Time::DIMENSION)) => Some(only),
         _ => None,
     });
-    let times = found.map(|column| column.values.clone()).ok_or_else(|| {
+    let times = found.map(|column| column.series.values().to_vec()).ok_or_else(|| {
         let labels: Vec<String> = columns.iter().map(|column| column.label.clone()).collect();
         refusal!("no column of time among {}", listed(&labels)).in_file(path)
     })?;
@@ -184,12 +183,12 @@ pub struct FieldFile {
 /// The file is no such table, or a unit is missing.
 pub fn read(path: &Path, options: &FieldOptions) -> Result<FieldFile, Error> {
     let table = file::columns(path, &ReadOptions { gaps: GAPS, ..ReadOptions::default() })?;
-    let Table { columns, annotations } = with_names_of_comment(table);
-    from_columns(columns, annotations, options).map_err(|error| error.in_file(path))
+    let Measurement { channels, annotations } = with_names_of_comment(table);
+    from_columns(channels, annotations, options).map_err(|error| error.in_file(path))
 }
 
 fn from_columns(
-    mut columns: Vec<Column>,
+    mut columns: Vec<MeasuredChannel>,
     annotations: Annotations,
     options: &FieldOptions,
 ) -> Result<FieldFile, Error> {
@@ -198,9 +197,9 @@ fn from_columns(
     for place in &all {
         in_metres(&mut columns[*place], options)?;
     }
-    let of_row = |row: usize, three: [usize; 3]| three.map(|place| columns[place].values[row]);
-    let is_matched = |row: usize| sigma.is_none_or(|sigma| columns[sigma].values[row] >= 0.0);
-    let rows = columns[places[0]].values.len();
+    let of_row = |row: usize, three: [usize; 3]| three.map(|place| columns[place].series.values()[row]);
+    let is_matched = |row: usize| sigma.is_none_or(|sigma| columns[sigma].series.values()[row] >= 0.0);
+    let rows = columns[places[0]].series.len();
     let mut points = (Vec::new(), Vec::new());
     for row in 0..rows {
         let (place, mut displacement) = (of_row(row, places), of_row(row, displacements));
@@ -228,7 +227,7 @@ fn from_columns(
 }
 
 /// Brings a column without a unit to that of the caller; any other must be a length.
-fn in_metres(column: &mut Column, options: &FieldOptions) -> Result<(), Error> {
+fn in_metres(column: &mut MeasuredChannel, options: &FieldOptions) -> Result<(), Error> {
     let label = &column.label;
     let not_a_length = |unit: &str| {
         refusal!("`{label}` is in `{unit}`, not in a unit of length")
@@ -242,17 +241,17 @@ fn in_metres(column: &mut Column, options: &FieldOptions) -> Result<(), Error> {
     }
     let no_unit = || refusal!("`{label}` states no unit of length").with_hint("give it: `unit = \"mm\"`");
     let unit = options.unit.ok_or_else(no_unit)?;
-    column.values.iter_mut().for_each(|value| *value *= unit);
+    column.series = column.series.with_values(column.series.values().iter().map(|value| value * unit).collect());
     Ok(())
 }
 
 /// The table with the names of the last comment that has one for each column, where the file has no other header.
-fn with_names_of_comment(mut table: Table) -> Table {
-    let is_numbered = |(place, column): (usize, &Column)| column.label == format!("column {}", place + 1);
-    if !table.columns.iter().enumerate().all(is_numbered) {
+fn with_names_of_comment(mut table: Measurement) -> Measurement {
+    let is_numbered = |(place, column): (usize, &MeasuredChannel)| column.label == format!("column {}", place + 1);
+    if !table.channels.iter().enumerate().all(is_numbered) {
         return table;
     }
-    let count = table.columns.len();
+    let count = table.channels.len();
     let split = |comment: &String, separator: char| -> Option<Vec<ColumnName>> {
         let names: Vec<&str> = match separator {
             ' ' => comment.split_whitespace().collect(),
@@ -262,11 +261,12 @@ fn with_names_of_comment(mut table: Table) -> Table {
     };
     let names = |comment: &String| [';', '\t', ',', ' '].into_iter().find_map(|separator| split(comment, separator));
     if let Some(names) = table.annotations.comments().iter().rev().find_map(names) {
-        for (column, ColumnName { name, label, unit, .. }) in table.columns.iter_mut().zip(names) {
+        for (column, ColumnName { name, label, unit, .. }) in table.channels.iter_mut().zip(names) {
             if let Some(unit) = &unit {
-                column.values.iter_mut().for_each(|value| *value = unit.to_si(*value));
+                let values = column.series.values().iter().map(|value| unit.to_si(*value)).collect();
+                column.series = column.series.with_values(values);
             }
-            *column = Column { name, label, unit, values: std::mem::take(&mut column.values) };
+            (column.name, column.label, column.unit) = (name, label, unit);
         }
     }
     table
@@ -320,7 +320,7 @@ struct Found {
 }
 
 /// The columns of a field among those of a file.
-fn find(columns: &[Column]) -> Result<Found, Error> {
+fn find(columns: &[MeasuredChannel]) -> Result<Found, Error> {
     let three = |names: [&str; 3]| names.map(|name| place(columns, name));
     let mut planar = None;
     for naming in &NAMINGS {
@@ -348,7 +348,7 @@ fn find(columns: &[Column]) -> Result<Found, Error> {
 }
 
 /// The place of a column of this name, in these letters or else in any case: VIC-3D has `X` in space and `x` in the image.
-fn place(columns: &[Column], name: &str) -> Option<usize> {
+fn place(columns: &[MeasuredChannel], name: &str) -> Option<usize> {
     let wanted = plain(name);
     let exact = columns.iter().position(|column| plain(&column.name) == wanted);
     let wanted = wanted.to_lowercase();

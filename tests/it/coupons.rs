@@ -206,11 +206,11 @@ fn aluminium(name: &str) -> Curve {
     ];
     let names = ["engineering_strain", "engineering_stress"].map(String::from).to_vec();
     let wanted = ReadOptions { channels: ChannelSelection::Named(names), units, ..ReadOptions::default() };
-    let mut columns = file::columns(&root().join("data/tension_anisotropic_al6061").join(name), &wanted)
+    let columns = file::columns(&root().join("data/tension_anisotropic_al6061").join(name), &wanted)
         .unwrap_or_else(|error| panic!("{error}"))
-        .columns;
-    let stress = columns.remove(1).values;
-    Curve::new(columns.remove(0).values, stress).unwrap_or_else(|error| panic!("{name}: {error}"))
+        .channels;
+    let [strain, stress] = [0, 1].map(|place| columns[place].series.values().to_vec());
+    Curve::new(strain, stress).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Window of a metal's elastic part, far below its yield strain of about 0.004.
@@ -350,7 +350,7 @@ fn a_simulated_coupon_follows_the_mean_of_the_recordings() {
         let scenario = format!("scenarios/stretch/{scenario}.toml");
         succeed(&["run", &scenario, "--quiet", "--force", "--set", &assignment, "--out", out.to_str().unwrap()]);
         let table = file::columns(&out.join("signals.csv"), &ReadOptions::default()).unwrap();
-        let column = |name: &str| table.columns.iter().find(|column| column.label == name).unwrap().values.clone();
+        let column = |name: &str| table.channel(name).unwrap().series.values().to_vec();
         let simulated = Curve::new(column("strain"), column("stress_Pa")).unwrap();
         let DirectionMeans { curve, elongation, .. } = reduction.along(direction).unwrap();
         let shared = curve.range()[1];

@@ -128,7 +128,7 @@ fn a_master_curve_becomes_a_prony_series() {
     println!("ours: {rms} rms, {largest} at most, {} terms", found["terms"].as_array().expect("terms").len());
     assert!(rms < 0.003 && largest < 0.02 && number(&found, "/r_squared") > 0.9999, "{rms} {largest}");
     let own = file::columns(&data("relaxation/prony-terms.csv"), &ReadOptions::default()).expect("the terms");
-    let terms = own.columns[0].values.iter().zip(&own.columns[1].values);
+    let terms = own.channels[0].series.values().iter().zip(own.channels[1].series.values());
     let terms = terms.map(|(share, time)| PronyTerm { share: *share, time: *time }).collect();
     let theirs = Prony { instantaneous: 1739.03e6, terms };
     let points = read_relaxation(&master, &ReadOptions::default()).expect("a curve");

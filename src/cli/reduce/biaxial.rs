@@ -266,7 +266,7 @@ pub(super) fn bulge(args: &BulgeArgs, shared: &Shared) -> Result<(), Failure> {
 fn bulged(args: &BulgeArgs, bulge: &Bulge, path: &Path, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {
     let fault = |error: &dyn std::fmt::Display| Diagnostic::new(format!("{}: {error}", shown_path(path)));
     let options = args.file.options(ChannelSelection::All)?;
-    let table = file::columns(path, &options).map_err(|error| failure::recording(&error))?.over_samples();
+    let table = file::columns(path, &options).map_err(|error| failure::recording(&error))?;
     let pressure = channel(&table, path, &args.pressure, Pressure::DIMENSION)?;
     let named = args.height.as_deref().or_else(|| HEIGHTS.into_iter().find(|name| table.channel(name).is_ok()));
     let height = channel(&table, path, named.unwrap_or(HEIGHTS[0]), Length::DIMENSION)?;

@@ -14,7 +14,7 @@ use base::number::{clean_time, significant};
 use lab::error::Kind;
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::gap::{self, Gap};
-use lab::signal::{Annotations, MeasuredChannel, Warning, csv, resample};
+use lab::signal::{Annotations, MeasuredChannel, Warning, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
@@ -112,16 +112,13 @@ fn contents(path: &Path, file: &FileArgs) -> Result<Contents, Diagnostic> {
 
 /// The content of a table without time, e.g. stress over strain.
 fn columns(path: &Path, options: &ReadOptions) -> Result<Contents, Diagnostic> {
-    let csv::Table { columns, mut annotations } =
-        file::columns(path, options).map_err(|error| failure::recording(&error))?;
-    annotations.warnings.push(Warning::NoTimeColumn);
-    let channels = columns.into_iter().map(|csv::Column { name, label, unit, values }| {
-        let written_unit = unit.as_ref().map(|unit| unit.symbol().to_owned());
-        let samples = Figures::from_values(&values);
-        let si = unit.map(|unit| unit.si_symbol());
-        Contained { name, label, written_unit, unit: si, filtered: None, samples, time: None }
+    let mut found = file::columns(path, options).map_err(|error| failure::recording(&error))?;
+    found.annotations.warnings.push(Warning::NoTimeColumn);
+    let channels = found.channels.iter().map(|channel| {
+        let samples = Figures::from_values(channel.series.values());
+        Contained { samples, time: None, ..contained(channel) }
     });
-    Ok(Contents { path: shown_path(path), channels: channels.collect(), annotations })
+    Ok(Contents { path: shown_path(path), channels: channels.collect(), annotations: found.annotations })
 }
 
 fn contained(channel: &MeasuredChannel) -> Contained {

@@ -179,7 +179,7 @@ const NEXT_TEMPERATURE: f64 = 2.0;
 /// Reads the relaxation at `path`, with the columns `time` and `modulus`: time (s) and modulus (Pa) of each row.
 pub fn read_relaxation(path: &Path, options: &ReadOptions) -> Result<Vec<[f64; 2]>, Error> {
     let all = ReadOptions { channels: ChannelSelection::All, ..options.clone() };
-    let table = file::columns(path, &all)?.over_samples();
+    let table = file::columns(path, &all)?;
     points(&table, options.time.as_deref()).map_err(|error| error.in_file(path))
 }
 

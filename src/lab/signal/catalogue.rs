@@ -6,10 +6,8 @@ use std::rc::Rc;
 
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
-use crate::signal::measurement::{MOST_VALUES, Table, find, no_unit, not_a_time, not_finite, not_increasing, not_one};
-use crate::signal::{
-    Annotations, ChannelSelection, Column, MeasuredChannel, Measurement, ReadOptions, Series, Warning,
-};
+use crate::signal::measurement::{MOST_VALUES, find, no_unit, not_a_time, not_finite, not_increasing, not_one};
+use crate::signal::{Annotations, ChannelSelection, MeasuredChannel, Measurement, ReadOptions, Series, Warning};
 use base::budget::Numbers;
 use base::diagnostic::listed;
 use base::number::significant;
@@ -313,8 +311,8 @@ pub fn measure(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measur
     Ok(Measurement { channels, annotations: std::mem::take(file.annotations()) })
 }
 
-/// Reads the wanted channels without their times, as columns of one length.
-pub fn columns(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Table, Error> {
+/// Reads the wanted channels as columns of one length, over the number of the sample in place of a time.
+pub fn columns(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Error> {
     let entries = file.entries().to_vec();
     let wanted = selected(file, &entries, options, |_| false)?;
     if let Some(first) = wanted.first().map(|first| &entries[*first])
@@ -330,14 +328,18 @@ pub fn columns(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Table,
     let units = wanted.iter().map(|place| unit(file, &entries[*place], *place, options));
     let units = units.collect::<Result<Vec<_>, _>>()?;
     file.load(&wanted, &[])?;
-    let mut columns = Vec::new();
+    let (mut channels, mut numbers) = (Vec::new(), Numbers::from(Vec::new()));
     for (place, unit) in wanted.into_iter().zip(units) {
         let entry = &entries[place];
         let values = in_si(finite(file, entry, place)?, unit.as_ref());
         let [name, label] = entry.names().map(str::to_owned);
-        columns.push(Column { name, label, unit, values });
+        if numbers.len() != values.len() {
+            numbers = (0..values.len()).map(|number| number as f64).collect();
+        }
+        let series = Series::new(numbers.clone(), values);
+        channels.push(MeasuredChannel { name, label, unit, filtered: None, series });
     }
-    Ok(Table { columns, annotations: std::mem::take(file.annotations()) })
+    Ok(Measurement { channels, annotations: std::mem::take(file.annotations()) })
 }
 
 /// The place of the one channel called `name`, with its group or without.

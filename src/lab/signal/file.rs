@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use super::Measurement;
 use super::catalogue::{self, Catalogue};
 use super::csv::TextTable;
 use super::export::{self, Export};
@@ -13,7 +14,6 @@ use super::matlab::{self, Matlab};
 use super::t01::{self, T01};
 use super::tdms::{self, Tdms};
 use super::workbook::{self, Workbook};
-use super::{Measurement, Table};
 use crate::error::{Error, refusal};
 
 pub use super::{ChannelSelection, ReadOptions};
@@ -32,11 +32,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
     measured.map_err(|error| error.in_file(path))
 }
 
-/// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain.
+/// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain; the number of the sample is in
+/// place of a time.
 ///
 /// # Errors
 /// The file is no table, a channel or a unit is missing, columns have several lengths, or a cell is no number.
-pub fn columns(path: &Path, options: &ReadOptions) -> Result<Table, Error> {
+pub fn columns(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
     let columns = open(path, options).and_then(|mut file| catalogue::columns(&mut *file, options));
     columns.map_err(|error| error.in_file(path))
 }

@@ -5,7 +5,6 @@ use std::collections::{HashMap, HashSet};
 use super::column_name::{ColumnName, TIME};
 use super::{Annotations, Channel, Recording, Series, Warning};
 use crate::error::{Error, Kind, refusal};
-use base::budget::Numbers;
 use base::diagnostic::{closest, listed};
 use base::units::{Dimension, Strain, Unit};
 
@@ -82,42 +81,6 @@ pub(crate) fn check_dimension<'u>(name: &str, unit: Option<&'u Unit>, dimension:
 /// The SI unit in brackets; a number without unit is a dash.
 fn column_unit(unit: &Unit) -> String {
     if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
-}
-
-/// A column of a table, which need not have a time axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Without the unit.
-    pub name: String,
-    /// As the file writes it.
-    pub label: String,
-    /// Unit that the file or the caller states.
-    pub unit: Option<Unit>,
-    /// SI where the unit is known, as written where it is not; `NaN` where nothing was measured.
-    pub values: Vec<f64>,
-}
-
-/// Columns of equal length.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
-    /// In the order of the file, or in the order in which they were asked for.
-    pub columns: Vec<Column>,
-    /// Comments of the file, and what its reading reports.
-    pub annotations: Annotations,
-}
-
-impl Table {
-    /// The columns as channels over the sample number, in place of a time.
-    pub fn over_samples(self) -> Measurement {
-        let rows = self.columns.first().map_or(0, |column| column.values.len());
-        let number: Numbers = (0..rows).map(|row| row as f64).collect();
-        let channel = |Column { name, label, unit, values }: Column| {
-            let series = Series::new(number.clone(), values);
-            MeasuredChannel { name, label, unit, filtered: None, series }
-        };
-        let channels = self.columns.into_iter().map(channel).collect();
-        Measurement { channels, annotations: self.annotations }
-    }
 }
 
 /// The channels of a file.

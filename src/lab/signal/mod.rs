@@ -28,7 +28,7 @@ mod warning;
 pub mod workbook;
 
 pub use annotations::Annotations;
-pub use measurement::{ChannelSelection, Column, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions, Table};
+pub use measurement::{ChannelSelection, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions};
 pub(crate) use measurement::{ambiguous, check_dimension, missing};
 pub(crate) use series::interpolated;
 pub use series::{Channel, Recording, Series};

@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::tree::{Node, Value};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::units::{Pressure, Strain};
-use lab::signal::ReadOptions;
-use lab::signal::csv::Column;
-use lab::signal::file;
+use lab::signal::{MeasuredChannel, ReadOptions, file};
 
 /// Words in the names of strains, in lower case.
 const STRAINS: [&str; 5] = ["strain", "dehnung", "stauchung", "scherung", "verformung"];
@@ -61,9 +59,11 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
         Diagnostic { hint: error.hint().map(str::to_owned), ..Diagnostic::new(error.to_string()) }
             .at(&place.unwrap_or(at.clone()))
     })?;
-    let columns = &table.columns;
-    let is_named = |own: &Column, words: &[&str]| words.iter().any(|word| own.name.to_lowercase().contains(word));
-    let is_of = |own: &Column, dimension| own.unit.as_ref().is_none_or(|unit| unit.dimension() == Some(dimension));
+    let columns = &table.channels;
+    let is_named =
+        |own: &MeasuredChannel, words: &[&str]| words.iter().any(|word| own.name.to_lowercase().contains(word));
+    let is_of =
+        |own: &MeasuredChannel, dimension| own.unit.as_ref().is_none_or(|unit| unit.dimension() == Some(dimension));
     let strain = only(columns, "strain", |own| is_named(own, &STRAINS) && is_of(own, Strain::DIMENSION));
     let stress = only(columns, "stress", |own| is_named(own, &STRESSES) && is_of(own, Pressure::DIMENSION));
     let known = || {
@@ -76,7 +76,7 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
     let of_file = |text: String| Diagnostic::new(format!("{}: {text}", shown_path(path))).at(&at);
     // A flow curve is of true stress over plastic strain; every other is of engineering values.
     let is_flow = strain.as_ref().is_ok_and(|own| is_named(own, &["plast"]));
-    let is_true = |own: &&&Column| !is_flow && is_named(own, &TRUE);
+    let is_true = |own: &&&MeasuredChannel| !is_flow && is_named(own, &TRUE);
     if let Some(own) = [&strain, &stress].into_iter().flatten().find(is_true) {
         let hint = "a curve has engineering strain and stress, over the length and the section before the test";
         return Err(of_file(format!("`{}` is no engineering value", own.label)).hint(hint));
@@ -92,7 +92,7 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
         Node::new(Value::List(items.into()), at.clone())
     };
     // Rows in which nothing was measured are no points.
-    let rows = || strain.values.iter().zip(&stress.values);
+    let rows = || strain.series.values().iter().zip(stress.series.values());
     if let Some(row) = rows().position(|(strain, stress)| strain.is_finite() != stress.is_finite()) {
         return Err(of_file(format!("row {} has only one of `{}` and `{}`", row + 1, strain.label, stress.label)));
     }
@@ -105,7 +105,11 @@ pub fn read_as_recording(path: &Path, source: &Arc<Source>) -> Result<Node, Diag
 }
 
 /// The only column of a kind.
-fn only<'c>(columns: &'c [Column], what: &str, is_own: impl Fn(&Column) -> bool) -> Result<&'c Column, String> {
+fn only<'c>(
+    columns: &'c [MeasuredChannel],
+    what: &str,
+    is_own: impl Fn(&MeasuredChannel) -> bool,
+) -> Result<&'c MeasuredChannel, String> {
     let mut own = columns.iter().filter(|column| is_own(column));
     match (own.next(), own.next()) {
         (Some(column), None) => Ok(column),

@@ -152,7 +152,7 @@ pub fn read_recording(name: &str, input: &[u8]) {
                 Ok(measurement) => drop(measurement.recording()),
                 Err(error) => drop((error.to_string(), error.place(), error.hint())),
             }
-            drop(file::columns(path, &options).map(|table| table.over_samples()));
+            drop(file::columns(path, &options));
         }
     });
 }

@@ -226,7 +226,7 @@ fn aluminium(direction: &str) -> [Curve; 2] {
     ["01", "02"].map(|number| {
         let path = root().join(format!("data/tension_anisotropic_al6061/cleaned_CA-{code}-{number}.csv"));
         let table = file::columns(&path, &options).expect("a recording");
-        let [stress, strain] = [0, 1].map(|place| table.columns[place].values.clone());
+        let [stress, strain] = [0, 1].map(|place| table.channels[place].series.values().to_vec());
         let curve = Curve::new(strain, stress).expect("a curve");
         let line = curve.modulus([0.001, 0.003]).expect("a modulus");
         curve.toe_compensated(line.slope, line.intercept)

@@ -123,7 +123,7 @@ impl CouponReader {
         let options = ReadOptions { channels, ..self.table.clone() };
         // Force over displacement needs no time: the speed is known from elsewhere.
         let measurement = match file::read(path, &options) {
-            Err(error) if *error.kind() == Kind::NoTime => file::columns(path, &options)?.over_samples(),
+            Err(error) if *error.kind() == Kind::NoTime => file::columns(path, &options)?,
             read => read?,
         };
         self.reduce(path, &measurement).map_err(|error| error.in_file(path))

@@ -225,7 +225,7 @@ impl StressReader {
     /// Reads the test at `path`; see [`TestKind::of_file`] for how its kind is found.
     pub fn read(&self, path: &Path) -> Result<DataSet, Error> {
         let options = ReadOptions { channels: ChannelSelection::All, ..self.table.clone() };
-        let table = file::columns(path, &options)?.over_samples();
+        let table = file::columns(path, &options)?;
         self.data_set(path, &table).map_err(|error| error.in_file(path))
     }
 

@@ -26,7 +26,6 @@ use cell::at_cell;
 use layout::{Layout, trimmed_to};
 
 pub use super::column_name::TIME;
-pub use super::measurement::{Column, Table};
 pub(in crate::signal) use cell::{Mark, Separator};
 
 /// A table in text whose columns are listed.
