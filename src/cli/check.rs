@@ -88,12 +88,11 @@ pub(super) fn run(args: &CheckArgs, shared: &Shared) -> Result<(), Failure> {
 
 /// Checks a scenario, a material or a study.
 fn check(path: &Path, assignments: &[Assignment]) -> Checked {
-    let document = Document::read(path);
-    if document.as_ref().is_ok_and(is_study) {
+    if StudyFile::is_study(path) {
         StudyFile::read(path)?.check(&Scenarios { changes: assignments.to_vec(), evaluations: None })?;
         return Ok(Facts::default());
     }
-    if !document.is_ok_and(|document| document.is_material()) {
+    if !Document::read(path).is_ok_and(|document| document.is_material()) {
         let checked = scenarios::check(path, assignments)?;
         let inertias = checked.model.impactors.iter().filter_map(Inertia::from_impactor).collect();
         let variation = model::variation(&checked.document)?;
@@ -110,12 +109,6 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let implausible = material.implausible().into_iter();
     let findings = implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect();
     Ok(Facts { findings, ..Facts::default() })
-}
-
-/// Whether what was read as a scenario has the keys of a study and no specimen.
-fn is_study(document: &Document) -> bool {
-    let has = |key: &str| document.find(key).is_some();
-    !has("specimen") && (has("test") || has("parameters"))
 }
 
 impl Varies {

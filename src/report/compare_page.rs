@@ -1,5 +1,7 @@
 //! The page of a comparison of runs.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use crate::drawn::{self, Line, RangeLook, ranges};
@@ -82,10 +84,11 @@ fn values(figure: &ComparedFigure) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// A key, then a value a scenario.
+/// A key, then a value a scenario; paths are seen from here.
 pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
+    let shown = |text: &str| if Path::new(text).is_absolute() { shown_path(Path::new(text)) } else { text.to_owned() };
     let value =
-        |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| text.trim_matches('"').to_owned());
+        |value: &Option<String>| value.as_deref().map_or_else(|| "-".into(), |text| shown(text.trim_matches('"')));
     comparison
         .keys
         .iter()
@@ -248,8 +251,7 @@ pub(crate) fn sentence(comparison: &RunComparison) -> String {
         1 => Some(format!("Their scenarios differ in one key: {}.", key_words(&comparison.keys[0].path))),
         several => Some(format!("Their scenarios differ in {several} keys.")),
     };
-    let outcome = ruptures(comparison);
-    runs.chain(rest).chain(outcome).chain(keys).collect::<Vec<_>>().join(" ")
+    ruptures(comparison).into_iter().chain(runs).chain(rest).chain(keys).collect::<Vec<_>>().join(" ")
 }
 
 /// The runs whose film ruptured, where it held in others.

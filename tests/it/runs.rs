@@ -182,7 +182,8 @@ fn a_numerical_failure_stores_what_was_computed() {
     let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
     let output = run(bench.path(), &["drop.toml", "--json", "--set", wall, "--set", measured]);
     assert_eq!(code(&output), Some(3), "{}", error(&output));
-    assert!(output.stdout.is_empty());
+    let printed: Json = serde_json::from_slice(&output.stdout).expect("an object");
+    assert!(printed["errors"][0]["message"].as_str().expect("a message").contains("the time step fell"), "{printed}");
     assert!(error(&output).contains("drop.failed"), "{}", error(&output));
     assert_eq!(names(&bench.path().join("runs")), ["drop.failed"]);
     let folder = bench.path().join("runs/drop.failed");

@@ -98,7 +98,7 @@ fn each_row_is_the_run_that_its_inputs_give() {
     assert!(page.contains("title=\"specimen.material.thickness\">Thickness of one layer (µm)</th>"));
     assert!(page.contains("not distinguishable from 0 with 12 runs") && !page.contains("class=\"said\">\u{2212}"));
     let text = printed(&sweep(folder, &[]));
-    assert!(text.contains(" m/s²  9 of 10 runs ") && text.contains(" mm  "), "{text}");
+    assert!(text.contains(" g  9 of 10 runs ") && text.contains(" mm  "), "{text}");
 }
 
 #[test]

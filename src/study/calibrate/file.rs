@@ -105,6 +105,13 @@ impl StudyFile {
     /// The script that runs a study, by the function of [`register_study`](super::register_study).
     pub const SCRIPT: &str = "calibrate_study();\n";
 
+    /// Whether the file at `path` has keys of a study and no specimen.
+    pub fn is_study(path: &Path) -> bool {
+        let root = file::read_text(path, MOST_BYTES).ok().and_then(|text| parse_tree(&Source::file(path, text)).ok());
+        let has = |key: &str| root.as_ref().is_some_and(|root| root.find(key).is_some());
+        !has("specimen") && (has("test") || has("parameters"))
+    }
+
     /// Reads the study at `path`.
     ///
     /// # Errors

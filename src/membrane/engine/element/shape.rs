@@ -1,5 +1,5 @@
 //! The stress-free shape of elements with nodes counter-clockwise: the four-node element with one and with four integration
-//! points (theory.md, equation 10), and the three-node one of constant strain.
+//! points, and the three-node one of constant strain.
 
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;

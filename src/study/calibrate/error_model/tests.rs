@@ -149,36 +149,45 @@ fn signals_share_the_error_of_their_contact() {
         let value = |t: &f64| level * (std::f64::consts::PI * (t + by).max(0.0) / 0.1).sin();
         Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>())
     };
-    let studies = 300;
-    let mut squares = [0.0; 2];
-    for seed in 0..studies {
-        let mut stream = Stream::new(seed);
-        let shift = DEVIATION * stream.normal();
-        for (of, counted) in squares.iter_mut().zip([2, 1]) {
-            let (mut product, mut information) = (0.0, 0.0);
-            for level in [140.0, 60.0] {
-                let exact = signal(level, shift);
-                let noisy = exact.values().iter().map(|value| value + 0.01 * level * stream.normal());
-                let measured = Series::new(time.clone(), noisy.collect::<Vec<_>>());
-                let contact = Matrix2::new(DEVIATION * DEVIATION, 0.0, 0.0, 0.0);
-                let recorded = Recorded::new(&measured, [0.0, 0.05], None).unwrap().with_contact(contact, counted);
-                let mut model = ErrorModel::new(&[recorded], Noise::FromRecording, ROUGH).unwrap();
-                model.add_contact(|by| signal(level, by), None).unwrap();
-                let whitened = |series: &Series| {
-                    let means = model.means(series).unwrap();
-                    let scaled = means.iter().zip(model.noises()).map(|(own, noise)| own / noise);
-                    DVector::from_vec(model.whitened(&DVector::from_iterator(model.bins(), scaled), 0.0))
-                };
-                let (own, one) = (whitened(&measured), whitened(&signal(level, 0.0)));
-                product += own.dot(&one);
-                information += one.norm_squared();
-            }
-            *of += (product / information - 1.0).powi(2) * information / studies as f64;
-        }
-    }
-    let [shared, each] = squares;
-    assert!((0.75..1.15).contains(&shared), "{shared}");
-    assert!(each > 1.3, "with an error of its own for each: {each}");
+    const LEVELS: [f64; 2] = [140.0, 60.0];
+    /// Of a sample, over the level: with it alone the size is known about as well as by the contact alone.
+    const NOISE: f64 = 0.1;
+    let measured = |level: f64, by: f64, stream: &mut Stream| {
+        let exact = signal(level, by);
+        exact.with_values(exact.values().iter().map(|value| value + NOISE * level * stream.normal()).collect())
+    };
+    // Mean square error of the size over the variance that is stated, where so many signals are taken to share it.
+    let squares = |counted: usize| {
+        let mut stream = Stream::new(5);
+        // Four samples a bin, and a level of the root mean square of 1/√2.
+        let of_mean = Noise::Share(NOISE * (2.0 * 120.0 / 500.0_f64).sqrt());
+        let models = LEVELS.map(|level| {
+            let contact = Matrix2::new(DEVIATION * DEVIATION, 0.0, 0.0, 0.0);
+            let recorded = Recorded::new(&measured(level, 0.0, &mut stream), [0.0, 0.05], None).unwrap();
+            let recorded = recorded.with_contact(contact, counted);
+            let mut model = ErrorModel::new(&[recorded], of_mean, ROUGH).unwrap();
+            model.add_contact(|by| signal(level, by), None).unwrap();
+            model
+        });
+        let whitened = |model: &ErrorModel, series: &Series| {
+            let means = model.means(series).unwrap();
+            let scaled = means.iter().zip(model.noises()).map(|(own, noise)| own / noise);
+            DVector::from_vec(model.whitened(&DVector::from_iterator(model.bins(), scaled), 0.0))
+        };
+        let ones = [0, 1].map(|k| whitened(&models[k], &signal(LEVELS[k], 0.0)));
+        let information: f64 = ones.iter().map(DVector::norm_squared).sum();
+        let studies = 1000;
+        let one = |_| {
+            let shift = DEVIATION * stream.normal();
+            let of = |k: usize| whitened(&models[k], &measured(LEVELS[k], shift, &mut stream)).dot(&ones[k]);
+            let size = [0, 1].map(of).iter().sum::<f64>() / information;
+            (size - 1.0).powi(2) * information
+        };
+        (0..studies).map(one).sum::<f64>() / f64::from(studies)
+    };
+    let [shared, each] = [2, 1].map(squares);
+    assert!((0.6..1.1).contains(&shared), "{shared}");
+    assert!(each > 1.05 * shared, "with an error of its own for each {each}, for {shared}");
 }
 
 /// An error of the law, drawn at the samples of a recording and not from the covariance of any bins.
