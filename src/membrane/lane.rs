@@ -157,30 +157,6 @@ pub fn lanes<const L: usize>(value: impl Fn(usize) -> f64) -> Lane<L> {
     out
 }
 
-/// Values for each lane: one loop over lanes, of which the compiler makes vector instructions where its body has no loop
-/// whose length it does not know. A body that is long is better than several short ones.
-#[inline(always)]
-pub fn each<const N: usize, const L: usize>(values: impl Fn(usize) -> [f64; N]) -> [Lane<L>; N] {
-    let mut out = [splat(0.0); N];
-    for l in 0..L {
-        let of_lane = values(l);
-        for i in 0..N {
-            out[i][l] = of_lane[i];
-        }
-    }
-    out
-}
-
-/// The values in one lane.
-#[inline(always)]
-pub fn at<const N: usize, const L: usize>(values: &[Lane<L>; N], l: usize) -> [f64; N] {
-    let mut out = [0.0; N];
-    for i in 0..N {
-        out[i] = values[i][l];
-    }
-    out
-}
-
 /// Scalar product in each lane.
 #[inline(always)]
 pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {

@@ -14,7 +14,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::elastic::Plane;
 use super::fibre::FibreLaw;
 use super::fibre_strains::Fibres;
 use super::history::PointHistory;
@@ -22,7 +21,7 @@ use super::{
     Absorption, Curve, Deformation, Energy, LayerBreaks, Measure, MembraneLaw, Stiffness, Stress, ViscousBase,
     WithoutCompression,
 };
-use crate::lane::{Lane, at, each, lanes, larger, smaller, splat};
+use crate::lane::{Lane, lanes, larger, smaller, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
 /// with energy absorption on unloading.
@@ -100,12 +99,12 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
         let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
         let shear = self.absorption.stress(&self.shear, &fibres.shear(), &mut history.shear);
-        let mut s = fibres.second_piola(&of_layers_left([md, td, shear], &history.left));
+        let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
         if let Some(law) = &self.biaxial {
             let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
-            fibres.add_biaxial(&mut s, &of_both_left(&stress, &history.left));
+            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
         }
-        Stress::of_second_piola(d, |l| at(&s, l))
+        tensions.stress(d)
     }
 
     #[inline(always)]
@@ -119,11 +118,16 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let [md, td, shear] = parts;
         let stored = of_layers_left([md.0, td.0, shear.0], &history.left);
         let absorbed = of_layers_left([md.1, td.1, shear.1], &history.left);
-        let sum = |[md, td, shear]: &Plane<L>| lanes(|l| md[l] + td[l] + shear[l]);
-        let mut total = Energy { stored: sum(&stored), absorbed: sum(&absorbed) };
+        let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
+        for (stored, absorbed) in stored.iter().zip(&absorbed) {
+            for l in 0..L {
+                total.stored[l] += stored[l];
+                total.absorbed[l] += absorbed[l];
+            }
+        }
         if let Some(law) = &self.biaxial {
             let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
-            let (stored, absorbed) = (of_both_left(&stored, &history.left), of_both_left(&absorbed, &history.left));
+            let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
             for l in 0..L {
                 // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
                 total.stored[l] += 2.0 * stored[l];
@@ -145,35 +149,40 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             self.td.stress_near(&self.absorption, &strains[1], &history.fibres[1]),
             self.absorption.stress(&self.shear, &angle, &mut history.shear.clone()),
         ];
-        let mut s = fibres.second_piola(&of_layers_left(near, &history.left));
+        let mut tensions = fibres.tensions(&of_layers_left(near, &history.left));
         let mut biaxial = splat(0.0);
         if let Some(law) = &self.biaxial {
             let mean = fibres.mean_strain();
             let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
-            fibres.add_biaxial(&mut s, &of_both_left(&stress, &history.left));
+            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
             let slope = law.largest_slope(&self.absorption, &mean, &history.biaxial, REACH);
-            biaxial = of_both_left(&slope, &history.left);
+            biaxial = of_both_left(slope, &history.left);
         }
+        let [first, second] = &tensions.tension;
+        let across = [lanes(|l| first[l].abs()), lanes(|l| second[l].abs())];
         let slopes = [
             self.md.largest_slope(&self.absorption, &strains[0], &history.fibres[0], REACH),
             self.td.largest_slope(&self.absorption, &strains[1], &history.fibres[1], REACH),
             self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH),
         ];
-        let slopes = of_layers_left(slopes, &history.left);
-        // The larger of loading and largest stress so far bounds unloading.
-        let largest = self.shear.stress_lanes(&lanes(|l| larger(angle[l], history.shear[l])));
-        let sheared = of_both_left(&largest, &history.left);
-        let [along_md, along_td, across_md, across_td, shear] = each(|l| {
-            let ([md, td, shear], across) = (at(&slopes, l), [s[0][l].abs(), s[1][l].abs()]);
-            // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean. `across` acts on every
-            // motion of the fibre, also on that along it: what is counted there is not counted twice.
-            let along = |slope: f64, across: f64| larger(slope + biaxial[l] - across, 0.0);
-            let (along, secant) = ([along(md, across[0]), along(td, across[1])], fibres.secant[l]);
-            // The curve's own slope, and what its stress adds as directions turn.
-            let shear = shear * secant * secant + sheared[l] * secant * (secant * secant + 3.0);
-            [along[0], along[1], across[0], across[1], shear]
-        });
-        let (along, across) = ([along_md, along_td], [across_md, across_td]);
+        let [md, td, mut shear] = of_layers_left(slopes, &history.left);
+        // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean.
+        let mut along = [lanes(|l| md[l] + biaxial[l]), lanes(|l| td[l] + biaxial[l])];
+        let mut largest = angle;
+        for l in 0..L {
+            largest[l] = larger(angle[l], history.shear[l]);
+        }
+        let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
+        for l in 0..L {
+            // `across` acts on every motion of the fibre, also on that along it: what is counted there is not counted
+            // twice.
+            along[0][l] = larger(along[0][l] - across[0][l], 0.0);
+            along[1][l] = larger(along[1][l] - across[1][l], 0.0);
+            let secant = fibres.secant[l];
+            // The curve's own slope, and what its stress adds as directions turn; the larger of loading and largest
+            // stress so far bounds unloading.
+            shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
+        }
         Stiffness { along, across, shear, alignment: fibres.sine, any: splat(0.0) }
     }
 
@@ -222,14 +231,21 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 /// Values of one layer along MD, along TD and in shear as means over all layers: those in which one set of fibres is
 /// broken carry no shear.
 #[inline(always)]
-fn of_layers_left<const L: usize>(values: [Lane<L>; 3], [md, td]: &[Lane<L>; 2]) -> [Lane<L>; 3] {
-    each(|l| [values[0][l] * md[l], values[1][l] * td[l], values[2][l] * smaller(md[l], td[l])])
+fn of_layers_left<const L: usize>([mut md, mut td, shear]: [Lane<L>; 3], left: &[Lane<L>; 2]) -> [Lane<L>; 3] {
+    for l in 0..L {
+        md[l] *= left[0][l];
+        td[l] *= left[1][l];
+    }
+    [md, td, of_both_left(shear, left)]
 }
 
 /// A value of one layer for the coupling of both directions as a mean over all layers.
 #[inline(always)]
-fn of_both_left<const L: usize>(value: &Lane<L>, [md, td]: &[Lane<L>; 2]) -> Lane<L> {
-    lanes(|l| value[l] * smaller(md[l], td[l]))
+fn of_both_left<const L: usize>(mut value: Lane<L>, left: &[Lane<L>; 2]) -> Lane<L> {
+    for l in 0..L {
+        value[l] *= smaller(left[0][l], left[1][l]);
+    }
+    value
 }
 
 #[cfg(test)]

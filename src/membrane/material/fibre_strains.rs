@@ -1,8 +1,7 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
-use super::elastic::Plane;
 use super::{Deformation, Stress, Stresses};
-use crate::lane::{Lane, at, each, lanes, larger, smaller};
+use crate::lane::{Lane, Lane3, dot, lanes, larger, smaller, splat};
 
 /// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
@@ -61,23 +60,39 @@ pub(super) struct Fibres<const L: usize> {
 impl<const L: usize> Fibres<L> {
     #[inline(always)]
     pub(super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
-        let [first, second, r1, r2, sine, secant, angle] = each(|l| {
-            let [c11, c22, c12] = d.metric_at(l);
-            let (first, second) = (c11.sqrt(), c22.sqrt());
-            let (m1, m2) = (larger(first, 1.0), larger(second, 1.0));
+        let [f1, f2] = &d.f;
+        let (mut square, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
+        for l in 0..L {
+            square[0][l] += d.stretch_variance[0][l];
+            square[1][l] += d.stretch_variance[1][l];
+        }
+        let mut out = Fibres {
+            stretch: [splat(0.0); 2],
+            inverse: [splat(0.0); 2],
+            sine: splat(0.0),
+            secant: splat(0.0),
+            angle: splat(0.0),
+        };
+        for l in 0..L {
+            out.stretch[0][l] = square[0][l].sqrt();
+            out.stretch[1][l] = square[1][l].sqrt();
+            let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
             // One division for two inverses: divisions are what this loop costs.
             let both = 1.0 / (m1 * m2);
-            let (r1, r2) = (m2 * both, m1 * both);
-            let sine = c12 * r1 * r2;
+            out.inverse[0][l] = m2 * both;
+            out.inverse[1][l] = m1 * both;
+        }
+        for l in 0..L {
+            let sine = product[l] * out.inverse[0][l] * out.inverse[1][l];
             let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
             let cosine = (1.0 - bounded * bounded).sqrt();
-            let secant = 1.0 / cosine;
-            // Beyond the bound along the tangent (theory.md, equation 7), in the same expression: the second term is zero
-            // within it.
-            let angle = bounded * angle_over_sine(cosine) + (sine - bounded) * secant;
-            [first, second, r1, r2, sine, secant, angle]
-        });
-        Fibres { stretch: [first, second], inverse: [r1, r2], sine, secant, angle }
+            out.sine[l] = sine;
+            out.secant[l] = 1.0 / cosine;
+            // Beyond the bound along the tangent (theory.md, equation 7), in the same expression: the second term is
+            // zero within it.
+            out.angle[l] = bounded * angle_over_sine(cosine) + (sine - bounded) * out.secant[l];
+        }
+        out
     }
 
     #[inline(always)]
@@ -93,15 +108,17 @@ impl<const L: usize> Fibres<L> {
 
     /// Nominal stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
     pub(super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
-        let [md, td, shear] = each(|l| {
-            let ([first, second], [r1, r2], sine) = (at(&self.stretch, l), at(&self.inverse, l), self.sine[l]);
-            let ([s11, s22], s12) = (at(&stress.tension, l), stress.cross[l]);
-            let along = |stretch: f64, tension: f64, other: f64| {
-                tension * stretch + s12 * if stretch > 1.0 { sine / other } else { 0.0 }
+        let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
+        for l in 0..L {
+            let along = |fibre: usize| {
+                let stretch = self.stretch[fibre][l];
+                let sheared = if stretch > 1.0 { self.sine[l] / self.inverse[1 - fibre][l] } else { 0.0 };
+                stress.tension[fibre][l] * stretch + stress.cross[l] * sheared
             };
-            [along(first, s11, r2), along(second, s22, r1), s12 / (r1 * r2 * self.secant[l])]
-        });
-        Stresses { md, td, shear }
+            (out.md[l], out.td[l]) = (along(0), along(1));
+            out.shear[l] = stress.cross[l] / (self.inverse[0][l] * self.inverse[1][l] * self.secant[l]);
+        }
+        out
     }
 
     /// (ε₁ + ε₂)/2.
@@ -110,31 +127,63 @@ impl<const L: usize> Fibres<L> {
         lanes(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
     }
 
-    /// Second Piola–Kirchhoff stress S₁₁, S₂₂ and S₁₂ of fibres with the nominal stresses `md`, `td` and `shear`, Pa.
+    /// Tensions of fibres with the nominal stresses `md`, `td` and `shear`, Pa.
     #[inline(always)]
-    pub(super) fn second_piola(&self, nominal: &Plane<L>) -> Plane<L> {
-        each(|l| {
-            let ([first, second], [r1, r2], sine) = (at(&self.stretch, l), at(&self.inverse, l), self.sine[l]);
-            let [md, td, shear] = at(nominal, l);
+    pub(super) fn tensions(&self, [md, td, shear]: &[Lane<L>; 3]) -> Tensions<L> {
+        let mut out = Tensions { tension: [splat(0.0); 2], cross: splat(0.0) };
+        for l in 0..L {
+            let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
             // Curves know |γ| alone; the sign of the angle is put back by its bit, without a branch.
-            let shear = shear.copysign(self.angle[l]) * self.secant[l];
+            let shear = shear[l].copysign(self.angle[l]) * self.secant[l];
+            out.cross[l] = shear * r1 * r2;
             // The bracket [λ > 1] of equation 6.
-            let taut1 = if first > 1.0 { r1 * r1 } else { 0.0 };
-            let taut2 = if second > 1.0 { r2 * r2 } else { 0.0 };
-            [md * r1 - shear * sine * taut1, td * r2 - shear * sine * taut2, shear * r1 * r2]
-        })
+            let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
+            let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
+            out.tension[0][l] = md[l] * r1 - shear * self.sine[l] * taut1;
+            out.tension[1][l] = td[l] * r2 - shear * self.sine[l] * taut2;
+        }
+        out
     }
+}
 
-    /// Adds the stress of biaxial coupling σ_b to a second Piola–Kirchhoff stress.
+/// Derivatives of the energy by the metric.
+pub(super) struct Tensions<const L: usize> {
+    /// 2 ∂W/∂λ₁² and 2 ∂W/∂λ₂², Pa.
+    pub(super) tension: [Lane<L>; 2],
+    /// ∂W/∂(f₁·f₂), Pa.
+    cross: Lane<L>,
+}
+
+impl<const L: usize> Tensions<L> {
+    /// Adds the nominal stress `stress` (Pa) along both fibres.
     #[inline(always)]
-    pub(super) fn add_biaxial(&self, s: &mut Plane<L>, stress: &Lane<L>) {
-        for fibre in 0..2 {
-            for l in 0..L {
-                // By λ, not by m: σ_b pulls at slack fibres, too (theory.md, below equation 4b).
-                s[fibre][l] += stress[l] / self.stretch[fibre][l];
-            }
+    pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: &Lane<L>) {
+        for l in 0..L {
+            // By λ, not by m: σ_b pulls at slack fibres, too (theory.md, below equation 4b).
+            self.tension[0][l] += stress[l] / fibres.stretch[0][l];
+            self.tension[1][l] += stress[l] / fibres.stretch[1][l];
         }
     }
+
+    /// The stress at `d`.
+    #[inline(always)]
+    pub(super) fn stress(&self, d: &Deformation<L>) -> Stress<L> {
+        let Tensions { tension, cross } = *self;
+        let [f1, f2] = &d.f;
+        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension, cross }
+    }
+}
+
+/// a·u + b·v in each lane.
+#[inline(always)]
+fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>) -> Lane3<L> {
+    let mut out = [splat(0.0); 3];
+    for axis in 0..3 {
+        for l in 0..L {
+            out[axis][l] = a[l] * u[axis][l] + b[l] * v[axis][l];
+        }
+    }
+    out
 }
 
 #[cfg(test)]

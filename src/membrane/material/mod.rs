@@ -52,7 +52,7 @@ pub use viscous::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{LANES, Lane, Lane3, at, each, splat};
+use crate::lane::{LANES, Lane, Lane3, dot, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
@@ -76,24 +76,17 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
 }
 
 impl<const L: usize> Deformation<L> {
-    /// f₁ and f₂ in one lane.
-    #[inline(always)]
-    pub(crate) fn fibres_at(&self, l: usize) -> [[f64; 3]; 2] {
-        [at(&self.f[0], l), at(&self.f[1], l)]
-    }
-
-    /// C₁₁, C₂₂ and C₁₂ in one lane (theory.md, equation 13).
-    #[inline(always)]
-    pub(crate) fn metric_at(&self, l: usize) -> [f64; 3] {
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let ([f1, f2], [s1, s2]) = (self.fibres_at(l), at(&self.stretch_variance, l));
-        [dot(f1, f1) + s1, dot(f2, f2) + s2, dot(f1, f2)]
-    }
-
     /// C₁₁, C₂₂ and C₁₂ (theory.md, equation 13).
     #[inline(always)]
     pub(crate) fn metric(&self) -> [Lane<L>; 3] {
-        each(|l| self.metric_at(l))
+        let [f1, f2] = &self.f;
+        let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
+        for fibre in 0..2 {
+            for l in 0..L {
+                c[fibre][l] += self.stretch_variance[fibre][l];
+            }
+        }
+        c
     }
 }
 
@@ -105,23 +98,6 @@ pub struct Stress<const L: usize> {
     pub tension: [Lane<L>; 2],
     /// ∂W/∂(f₁·f₂), Pa of one layer.
     pub cross: Lane<L>,
-}
-
-impl<const L: usize> Stress<L> {
-    /// That of the second Piola–Kirchhoff stress S₁₁, S₂₂ and S₁₂ (Pa) in each lane: one loop over lanes, with all of the law.
-    #[inline(always)]
-    pub(crate) fn of_second_piola(d: &Deformation<L>, s: impl Fn(usize) -> [f64; 3]) -> Stress<L> {
-        let mut out = Stress { p: [[splat(0.0); 3]; 2], tension: [splat(0.0); 2], cross: splat(0.0) };
-        for l in 0..L {
-            let (s, [f1, f2]) = (s(l), d.fibres_at(l));
-            for axis in 0..3 {
-                out.p[0][axis][l] = s[0] * f1[axis] + s[2] * f2[axis];
-                out.p[1][axis][l] = s[1] * f2[axis] + s[2] * f1[axis];
-            }
-            (out.tension[0][l], out.tension[1][l], out.cross[l]) = (s[0], s[1], s[2]);
-        }
-        out
-    }
 }
 
 /// Energy density of a film, J/m³.

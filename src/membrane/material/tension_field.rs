@@ -14,9 +14,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::elastic::Elastic;
+use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
-use crate::lane::{Lane, lanes, larger, splat};
+use crate::lane::{Lane, larger, splat};
 
 /// An elastic film without stiffness against compression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,13 +26,13 @@ pub struct TensionField(pub Elastic);
 const POINT: f64 = 1e-100;
 
 /// Principal strains and stresses of wrinkling film.
-struct Principal {
+struct Principal<const L: usize> {
     /// E₁ ≥ E₂.
-    strain: [f64; 2],
+    strain: [Lane<L>; 2],
     /// S₁ ≥ S₂ ≥ 0, Pa.
-    stress: [f64; 2],
+    stress: [Lane<L>; 2],
     /// cos 2θ and sin 2θ of the first principal direction; zero where all directions are principal.
-    direction: [f64; 2],
+    direction: [Lane<L>; 2],
 }
 
 /// ⟨x⟩, as one instruction; zero for NaN, which the direction propagates.
@@ -42,31 +42,42 @@ fn positive(x: f64) -> f64 {
 }
 
 impl TensionField {
-    /// Of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
-    fn principal(&self, c: [f64; 3]) -> Principal {
-        let (Elastic { young, poisson }, [e11, e22, e12]) = (&self.0, Elastic::strain(c));
-        let (mean, apart) = (0.5 * (e11 + e22), 0.5 * (e11 - e22));
-        let radius = (apart * apart + e12 * e12).sqrt();
-        let (first, second) = (mean + radius, mean - radius);
-        // theory.md, equation 9b: this bracket is zero from where the film has contracted as a free strip does, and with
-        // it S₂.
-        let across = self.0.plane() * positive(second + poisson * first);
-        // Equal strains have no direction: both components become zero, and the mean alone is left.
-        let inverse = 1.0 / larger(radius, POINT);
-        Principal {
-            strain: [first, second],
-            stress: [young * positive(first) + poisson * across, across],
-            direction: [apart * inverse, e12 * inverse],
+    fn principal<const L: usize>(&self, e: &Plane<L>) -> Principal<L> {
+        let Elastic { young, poisson } = self.0;
+        let plane = self.0.plane();
+        let mut p = Principal { strain: [splat(0.0); 2], stress: [splat(0.0); 2], direction: [splat(0.0); 2] };
+        for l in 0..L {
+            let (mean, apart) = (0.5 * (e[0][l] + e[1][l]), 0.5 * (e[0][l] - e[1][l]));
+            let radius = (apart * apart + e[2][l] * e[2][l]).sqrt();
+            let (first, second) = (mean + radius, mean - radius);
+            // theory.md, equation 9b: this bracket is zero from where the film has contracted as a free strip does, and
+            // with it S₂.
+            let across = plane * positive(second + poisson * first);
+            p.strain[0][l] = first;
+            p.strain[1][l] = second;
+            p.stress[0][l] = young * positive(first) + poisson * across;
+            p.stress[1][l] = across;
+            // Equal strains have no direction: both components become zero, and the mean alone is left.
+            let inverse = 1.0 / larger(radius, POINT);
+            p.direction[0][l] = apart * inverse;
+            p.direction[1][l] = e[2][l] * inverse;
         }
+        p
     }
 
     /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂.
     #[inline(always)]
-    fn response(&self, c: [f64; 3]) -> [f64; 3] {
-        let Principal { stress: [first, second], direction: [cosine, sine], .. } = self.principal(c);
-        let (mean, apart) = (0.5 * (first + second), 0.5 * (first - second));
-        [mean + apart * cosine, mean - apart * cosine, apart * sine]
+    fn response<const L: usize>(&self, d: &Deformation<L>) -> Plane<L> {
+        let p = self.principal(&Elastic::strain(d));
+        let mut s = [splat(0.0); 3];
+        for l in 0..L {
+            let (mean, apart) = (0.5 * (p.stress[0][l] + p.stress[1][l]), 0.5 * (p.stress[0][l] - p.stress[1][l]));
+            s[0][l] = mean + apart * p.direction[0][l];
+            s[1][l] = mean - apart * p.direction[0][l];
+            s[2][l] = apart * p.direction[1][l];
+        }
+        s
     }
 }
 
@@ -76,17 +87,19 @@ impl MembraneLaw for TensionField {
 
     #[inline(always)]
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
-        Stress::of_second_piola(d, |l| self.response(d.metric_at(l)))
+        Elastic::first_piola(d, self.response(d))
     }
 
     #[inline(always)]
     fn energy<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Energy<L> {
-        let Elastic { young, poisson } = &self.0;
-        let stored = lanes(|l| {
-            let [first, second] = self.principal(d.metric_at(l)).strain;
-            let (along, across) = (positive(first), positive(second + poisson * first));
-            0.5 * (young * along * along + self.0.plane() * across * across)
-        });
+        let Elastic { young, poisson } = self.0;
+        let p = self.principal(&Elastic::strain(d));
+        let mut stored = splat(0.0);
+        for l in 0..L {
+            let along = positive(p.strain[0][l]);
+            let across = positive(p.strain[1][l] + poisson * p.strain[0][l]);
+            stored[l] = 0.5 * (young * along * along + self.0.plane() * across * across);
+        }
         Energy { stored, absorbed: splat(0.0) }
     }
 
@@ -94,11 +107,11 @@ impl MembraneLaw for TensionField {
     /// of wrinkled film rotates with `S₁/(E₁ − E₂) ≤ 2G`.
     #[inline(always)]
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Stiffness<L> {
-        self.0.bound(d, |c| self.response(c))
+        self.0.bound(d, self.response(d))
     }
 
     fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
-        self.0.thickness_ratio_of(stress)
+        self.0.thickness_stretch(&stress.tension)
     }
 
     fn viscous(&self) -> Option<ViscousBase> {

@@ -169,8 +169,7 @@ at_width! {
         elements: &mut Elements<M, B, NODES, L>, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool {
         let mut failed = false;
-        let mut x = [[splat(0.0); 3]; NODES];
-        let mut out = [[splat(0.0); 3]; NODES];
+        let [mut x, mut out] = [[[splat(0.0); 3]; NODES]; 2];
         let Elements { law, blocks, viscous, common } = elements;
         // Known to the compiler, which leaves the viscous path out of laws that cannot have one.
         let mut viscous = match M::MEASURE {

@@ -9,9 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{NEAR, Principal, StrainEnergy, Tangent};
-use crate::lane::{Lane, at, each, exp, lanes, ln};
-use crate::material::{Deformation, Stress};
+use super::{NEAR, Squares, StrainEnergy, Tangent};
+use crate::lane::{Lane, exp, ln, splat};
 
 /// Most terms of the energy.
 pub const TERMS: usize = 6;
@@ -32,51 +31,33 @@ pub struct Ogden {
     count: usize,
 }
 
+/// λ₁^α, λ₂^α and λ₃^α of a term.
+type Powers<const L: usize> = [Lane<L>; 3];
+
 /// ln λ₁ and ln λ₂.
 #[inline(always)]
-fn logarithms([c1, c2]: [f64; 2]) -> [f64; 2] {
-    [0.5 * ln(c1), 0.5 * ln(c2)]
+fn logarithms<const L: usize>(c: &Squares<L>) -> [Lane<L>; 2] {
+    let mut out = [splat(0.0); 2];
+    for i in 0..2 {
+        for l in 0..L {
+            out[i][l] = 0.5 * ln(c[i][l]);
+        }
+    }
+    out
 }
 
-impl OgdenTerm {
-    /// λ₁^α, λ₂^α and λ₃^α.
-    #[inline(always)]
-    fn powers(&self, [first, second]: [f64; 2]) -> [f64; 3] {
-        let [first, second] = [exp(self.alpha * first), exp(self.alpha * second)];
-        [first, second, 1.0 / (first * second)]
+#[inline(always)]
+fn powers<const L: usize>(alpha: f64, log: &[Lane<L>; 2]) -> Powers<L> {
+    let mut out = [splat(0.0); 3];
+    for i in 0..2 {
+        for l in 0..L {
+            out[i][l] = exp(alpha * log[i][l]);
+        }
     }
-
-    /// Its part of W.
-    #[inline(always)]
-    fn energy(&self, logarithms: [f64; 2]) -> f64 {
-        let [first, second, third] = self.powers(logarithms);
-        self.mu / self.alpha * (first + second + third - 3.0)
+    for l in 0..L {
+        out[2][l] = 1.0 / (out[0][l] * out[1][l]);
     }
-
-    /// Its part of c_i S_i.
-    #[inline(always)]
-    fn stress(&self, logarithms: [f64; 2]) -> [f64; 2] {
-        let [first, second, third] = self.powers(logarithms);
-        [self.mu * (first - third), self.mu * (second - third)]
-    }
-
-    /// Its part of [`StrainEnergy::tangent`]. `shear` by the mean value theorem: with λ₃ fixed, S is a function of c_i
-    /// alone, whose derivative `Σ μ ((½α − 1) λ_i^α + λ₃^α)/c_i²` is largest at one of both, term by term.
-    #[inline(always)]
-    fn tangent(&self, [c1, c2]: [f64; 2], logarithms: [f64; 2]) -> [f64; 6] {
-        let OgdenTerm { mu, alpha } = *self;
-        let [p1, p2, p3] = self.powers(logarithms);
-        // Change of the powers by strains within `NEAR`.
-        let mu = mu * (1.0 + 2.0 * NEAR * alpha.abs());
-        let stress = |c: f64, p: f64| mu * (p - p3) * (1.0 / c);
-        let along = |c: f64, p: f64| mu * ((alpha - 1.0) * p + (alpha + 1.0) * p3) * (1.0 / c);
-        let bent = |c: f64, p: f64| (0.5 * alpha - 1.0) * mu * p / (c * c);
-        let (first, second) = (bent(c1, p1), bent(c2, p2));
-        let steepest = if first > second { first } else { second };
-        let across = mu * p3 / (if mu > 0.0 { c2 * c2 } else { c1 * c1 });
-        let between = mu * alpha * p3 / (c1 * c2).sqrt();
-        [stress(c1, p1), stress(c2, p2), along(c1, p1), along(c2, p2), between, steepest + across]
-    }
+    out
 }
 
 impl Ogden {
@@ -97,21 +78,6 @@ impl Ogden {
         Ogden { terms, count: written.len() }
     }
 
-    /// The sum of the parts of all terms in each lane, term by term, so that each is a loop over lanes.
-    #[inline(always)]
-    fn sum<const N: usize, const L: usize>(&self, part: impl Fn(&OgdenTerm, usize) -> [f64; N]) -> [Lane<L>; N] {
-        let mut out = [[0.0; L]; N];
-        for term in self.terms() {
-            for l in 0..L {
-                let part = part(term, l);
-                for i in 0..N {
-                    out[i][l] += part[i];
-                }
-            }
-        }
-        out
-    }
-
     /// Its terms.
     pub fn terms(&self) -> &[OgdenTerm] {
         &self.terms[..self.count]
@@ -124,50 +90,69 @@ impl Ogden {
 }
 
 impl StrainEnergy for Ogden {
-    fn energy(&self, c: [f64; 2]) -> f64 {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
         let log = logarithms(c);
-        let [[energy]] = self.sum(|term, _| [term.energy(log)]);
-        energy
+        let mut out = splat(0.0);
+        for term in self.terms() {
+            let [first, second, third] = powers(term.alpha, &log);
+            let weight = term.mu / term.alpha;
+            for l in 0..L {
+                out[l] += weight * (first[l] + second[l] + third[l] - 3.0);
+            }
+        }
+        out
     }
 
-    fn stress(&self, c: [f64; 2]) -> [f64; 2] {
+    #[inline(always)]
+    fn stress<const L: usize>(&self, c: &Squares<L>) -> [Lane<L>; 2] {
         let log = logarithms(c);
-        let [[first], [second]] = self.sum(|term, _| term.stress(log));
-        [first / c[0], second / c[1]]
+        let mut out = [splat(0.0); 2];
+        for term in self.terms() {
+            let [first, second, third] = powers(term.alpha, &log);
+            for l in 0..L {
+                out[0][l] += term.mu * (first[l] - third[l]);
+                out[1][l] += term.mu * (second[l] - third[l]);
+            }
+        }
+        for i in 0..2 {
+            for l in 0..L {
+                out[i][l] /= c[i][l];
+            }
+        }
+        out
     }
 
-    fn tangent(&self, c: [f64; 2]) -> Tangent {
+    /// `shear` by the mean value theorem: with λ₃ fixed, S is a function of c_i alone, whose derivative
+    /// `Σ μ ((½α − 1) λ_i^α + λ₃^α)/c_i²` is largest at one of both, term by term.
+    #[inline(always)]
+    fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
         let log = logarithms(c);
-        Tangent::from(self.sum(|term, _| term.tangent(c, log)).map(|[sum]| sum))
+        let nothing = splat(0.0);
+        let mut out = Tangent { stress: [nothing; 2], along: [nothing; 2], between: nothing, shear: nothing };
+        for OgdenTerm { mu, alpha } in self.terms() {
+            let powers = powers(*alpha, &log);
+            // Change of the powers by strains within `NEAR`.
+            let mu = mu * (1.0 + 2.0 * NEAR * alpha.abs());
+            for l in 0..L {
+                let [third, product] = [powers[2][l], c[0][l] * c[1][l]];
+                for i in 0..2 {
+                    let inverse = 1.0 / c[i][l];
+                    out.stress[i][l] += mu * (powers[i][l] - third) * inverse;
+                    out.along[i][l] += mu * ((alpha - 1.0) * powers[i][l] + (alpha + 1.0) * third) * inverse;
+                }
+                out.between[l] += mu * alpha * third / product.sqrt();
+                let bent = |i: usize| (0.5 * alpha - 1.0) * mu * powers[i][l] / (c[i][l] * c[i][l]);
+                let (first, second) = (bent(0), bent(1));
+                let steepest = if first > second { first } else { second };
+                let across = mu * third / (if mu > 0.0 { c[1][l] * c[1][l] } else { c[0][l] * c[0][l] });
+                out.shear[l] += steepest + across;
+            }
+        }
+        out
     }
 
     fn plane_modulus(&self) -> f64 {
         4.0 * self.shear_modulus()
-    }
-
-    #[inline(always)]
-    fn energy_lanes<const WRINKLING: bool, const L: usize>(&self, d: &Deformation<L>) -> Lane<L> {
-        let log: [Lane<L>; 2] = each(|l| logarithms(self.principal::<WRINKLING>(d.metric_at(l)).squares));
-        let [energy] = self.sum(|term, l| [term.energy(at(&log, l))]);
-        energy
-    }
-
-    #[inline(always)]
-    fn stress_lanes<const WRINKLING: bool, const L: usize>(&self, d: &Deformation<L>) -> Stress<L> {
-        let principal: [Lane<L>; 5] = each(|l| self.principal::<WRINKLING>(d.metric_at(l)).into());
-        let log: [Lane<L>; 2] = each(|l| logarithms(Principal::from(at(&principal, l)).squares));
-        let sums: [Lane<L>; 2] = self.sum(|term, l| term.stress(at(&log, l)));
-        Stress::of_second_piola(d, |l| {
-            let principal = Principal::from(at(&principal, l));
-            principal.turned([sums[0][l] / principal.squares[0], sums[1][l] / principal.squares[1]])
-        })
-    }
-
-    #[inline(always)]
-    fn bound_lanes<const WRINKLING: bool, const L: usize>(&self, d: &Deformation<L>) -> Lane<L> {
-        let c: [Lane<L>; 2] = each(|l| self.principal::<WRINKLING>(d.metric_at(l)).squares);
-        let log: [Lane<L>; 2] = each(|l| logarithms(at(&c, l)));
-        let sums: [Lane<L>; 6] = self.sum(|term, l| term.tangent(at(&c, l), at(&log, l)));
-        lanes(|l| Tangent::from(at(&sums, l)).largest(at(&c, l)))
     }
 }

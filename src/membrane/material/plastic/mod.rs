@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
-use crate::lane::{Lane, at, exp, larger, splat};
+use crate::lane::{Lane, exp, larger, splat};
 
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
@@ -171,16 +171,14 @@ impl MembraneLaw for Plastic {
                 self.modes.stress(&amplitudes)
             }
         };
-        let s = log.second_piola(&t);
-        Stress::of_second_piola(d, |l| at(&s, l))
+        Elastic::first_piola(d, log.second_piola(&t))
     }
 
     #[inline(always)]
     fn stress_of<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Stress<L> {
         let log = Logarithm::from_cauchy_green(&d.metric());
         let t = self.modes.stress(&self.amplitudes(&log, &history.strain));
-        let s = log.second_piola(&t);
-        Stress::of_second_piola(d, |l| at(&s, l))
+        Elastic::first_piola(d, log.second_piola(&t))
     }
 
     /// All plastic work is absorbed: what hardening stores in the film does not come back.

@@ -1,8 +1,8 @@
 //! The history variables of a viscous point, and its stress, energy and stiffness.
 
 use super::{Viscosity, ViscousStep};
-use crate::lane::{self, Lane, Stored, larger, smaller, splat};
-use crate::material::elastic::Plane;
+use crate::lane::{Lane, Stored, larger, smaller, splat};
+use crate::material::elastic::{Elastic, Plane};
 use crate::material::measure::{Measure, Measured, ViscousBase, WithoutCompression};
 use crate::material::{Deformation, Energy, Stiffness, Stress};
 
@@ -82,8 +82,7 @@ impl ViscousLaw {
             now = raised;
         }
         self.work(measure, &at, &before, &now, head);
-        let s = at.unmeasured(&now);
-        *stress = Stress::of_second_piola(d, |l| lane::at(&s, l));
+        *stress = Elastic::first_piola(d, at.unmeasured(&now));
     }
 
     /// Component `k` of the total stress before and after a step in which that of the law changes from `own`, its
@@ -234,8 +233,7 @@ impl ViscousLaw {
 
     /// Stress of the point with these history variables, where it is deformed by `d`.
     pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Stored<L>]) -> Stress<L> {
-        let s = self.base.measure.evaluate(d).unmeasured(&self.total(variables));
-        Stress::of_second_piola(d, |l| lane::at(&s, l))
+        Elastic::first_piola(d, self.base.measure.evaluate(d).unmeasured(&self.total(variables)))
     }
 
     /// (1 − Σg) S° + Σ q, in the measure of the law.

@@ -1,0 +1,104 @@
+//! Neo-Hookean, Mooney–Rivlin and Yeoh, incompressible: a polynomial in the invariants.
+//!
+//! With `λ₃² = 1/D`, `I₁ = I + 1/D` and `I₂ = D + I/D` (theory.md, equation 221):
+//!
+//! ```text
+//! W = c₁₀ (I₁ − 3) + c₂₀ (I₁ − 3)² + c₃₀ (I₁ − 3)³ + c₀₁ (I₂ − 3)
+//! ∂W/∂I = A + c₀₁/D ,   ∂W/∂D = −A/D² + c₀₁ (1 − I/D²) ,   A = ∂W/∂I₁
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::invariants::{self, Slopes};
+use super::{Squares, StrainEnergy, Tangent};
+use crate::lane::{Lane, splat};
+use crate::material::elastic::Plane;
+
+/// Coefficients of the polynomial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Polynomial {
+    /// c₁₀, c₂₀ and c₃₀, Pa.
+    pub first: [f64; 3],
+    /// c₀₁, Pa.
+    pub second: f64,
+}
+
+impl Polynomial {
+    /// The neo-Hookean energy with the shear modulus `mu` (Pa).
+    pub fn neo_hookean(mu: f64) -> Polynomial {
+        Polynomial { first: [0.5 * mu, 0.0, 0.0], second: 0.0 }
+    }
+
+    /// The energy of Mooney and Rivlin, coefficients in Pa.
+    pub fn mooney_rivlin(c10: f64, c01: f64) -> Polynomial {
+        Polynomial { first: [c10, 0.0, 0.0], second: c01 }
+    }
+
+    /// The energy of Yeoh, coefficients in Pa.
+    pub fn yeoh(first: [f64; 3]) -> Polynomial {
+        Polynomial { first, second: 0.0 }
+    }
+
+    #[inline(always)]
+    fn slopes<const L: usize>(&self, [trace, det]: &[Lane<L>; 2]) -> Slopes<L> {
+        let [c10, c20, c30] = self.first;
+        let mut out = [splat(0.0); 2];
+        for l in 0..L {
+            let inverse = 1.0 / det[l];
+            let x = trace[l] + inverse - 3.0;
+            let a = c10 + x * (2.0 * c20 + x * (3.0 * c30));
+            let square = inverse * inverse;
+            out[0][l] = a + self.second * inverse;
+            out[1][l] = self.second * (1.0 - trace[l] * square) - a * square;
+        }
+        out
+    }
+}
+
+impl StrainEnergy for Polynomial {
+    #[inline(always)]
+    fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
+        let [trace, det] = invariants::of_squares(c);
+        let [c10, c20, c30] = self.first;
+        let mut out = splat(0.0);
+        for l in 0..L {
+            let x = trace[l] + 1.0 / det[l] - 3.0;
+            let y = det[l] + trace[l] / det[l] - 3.0;
+            out[l] = x * (c10 + x * (c20 + x * c30)) + self.second * y;
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn stress<const L: usize>(&self, c: &Squares<L>) -> [Lane<L>; 2] {
+        invariants::stress(c, &self.slopes(&invariants::of_squares(c)))
+    }
+
+    #[inline(always)]
+    fn plane_stress<const L: usize>(&self, c: &Plane<L>) -> Plane<L> {
+        invariants::plane_stress(c, &self.slopes(&invariants::of_metric(c)))
+    }
+
+    #[inline(always)]
+    fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
+        let invariants = invariants::of_squares(c);
+        let [_, c20, c30] = self.first;
+        let slopes = self.slopes(&invariants);
+        let mut curvatures = [splat(0.0); 3];
+        let [trace, det] = invariants;
+        for l in 0..L {
+            let inverse = 1.0 / det[l];
+            let (square, x) = (inverse * inverse, trace[l] + inverse - 3.0);
+            let a = slopes[0][l] - self.second * inverse;
+            let bent = 2.0 * c20 + 6.0 * c30 * x;
+            curvatures[0][l] = bent;
+            curvatures[1][l] = -(bent + self.second) * square;
+            curvatures[2][l] = square * (bent * square + 2.0 * inverse * (a + self.second * trace[l]));
+        }
+        invariants::tangent(c, &slopes, &curvatures)
+    }
+
+    fn plane_modulus(&self) -> f64 {
+        8.0 * (self.first[0] + self.second)
+    }
+}
