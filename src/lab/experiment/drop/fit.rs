@@ -177,15 +177,16 @@ const MAY_BE_ZERO: f64 = 1.96;
 /// Shortest step over which an impact is integrated for a draw, s.
 const IMPACT_STEP: f64 = 5e-5;
 
-/// Unknowns that each input stands for; the height follows from others.
-const INPUTS: [(Input, &[usize]); 7] = [
-    (Input::Offset, &[of::OFFSET, of::DRIFT]),
-    (Input::Coupling, &[of::INVERSE]),
-    (Input::Friction, &[of::FRICTION, of::OF_SPEED, of::GOES_ON]),
-    (Input::Height, &[]),
-    (Input::Release, &[of::RELEASE, of::DURATION]),
-    (Input::Onset, &[of::LEVEL, of::EXPONENT, of::BEND]),
-    (Input::Laser, &[of::LASER]),
+/// What each input stands for, by the unknowns of a draw.
+type Values = fn(&Model<'_>, &Unknowns) -> Vec<f64>;
+const INPUTS: [(Input, Values); 7] = [
+    (Input::Offset, |_, u| vec![u[of::OFFSET], u[of::DRIFT]]),
+    (Input::Coupling, |_, u| vec![u[of::INVERSE]]),
+    (Input::Friction, |_, u| vec![u[of::FRICTION], u[of::OF_SPEED], u[of::GOES_ON]]),
+    (Input::Height, |model, u| vec![model.height(u)]),
+    (Input::Release, |_, u| vec![u[of::RELEASE], u[of::DURATION]]),
+    (Input::Onset, |_, u| vec![u[of::LEVEL], u[of::EXPONENT], u[of::BEND]]),
+    (Input::Laser, |_, u| vec![u[of::LASER]]),
 ];
 
 /// What an impact gives with some unknowns.
@@ -225,11 +226,13 @@ pub(super) fn intervals(
     let is_given = model.known.inverse.is_some();
     let travels: Vec<f64> = all.iter().map(|(_, of)| of.travel).collect();
     let of_unknown = |place: usize| all.iter().map(|(draw, _)| draw[place]).collect::<Vec<f64>>();
-    let share = |values: Vec<f64>| correlation(&values, &travels).powi(2);
-    let of_height = share(all.iter().map(|(draw, _)| model.height(draw)).collect());
-    let share = |(input, places): &(Input, &[usize])| {
-        let least = if *input == Input::Height { of_height } else { 0.0 };
-        (*input, places.iter().map(|place| share(of_unknown(*place))).fold(least, f64::max))
+    let share = |(input, values): &(Input, Values)| {
+        let drawn: Vec<Vec<f64>> = all.iter().map(|(draw, _)| values(model, draw)).collect();
+        let of_place = |place: usize| {
+            let values: Vec<f64> = drawn.iter().map(|own| own[place]).collect();
+            correlation(&values, &travels).powi(2)
+        };
+        (*input, (0..drawn[0].len()).map(of_place).fold(0.0, f64::max))
     };
     let widest = INPUTS.iter().map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let mass = body.mass;
