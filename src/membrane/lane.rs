@@ -1,37 +1,255 @@
 //! Arithmetic in lanes: the same operation on several elements side by side.
 //!
-//! Kernels are written as loops over lanes without branches, one loop a stage of the arithmetic;
-//! the compiler turns each into vector instructions of whatever width it may use. Every lane runs
-//! the same IEEE operations in the same order, so a result depends neither on that width nor on the number of lanes.
+//! A kernel reads as its equation: [`Lane`] has the operators of a number, and a comparison gives a [`Mask`] that selects
+//! between two values instead of a branch. Each operation is a loop over an array, which the compiler turns into vector
+//! instructions of whatever width it may use. Every lane runs the same IEEE operations in the same order, so a result
+//! depends neither on that width nor on the number of lanes.
 
-use std::ops::{Deref, DerefMut};
+use std::ops::{
+    Add, AddAssign, BitAnd, BitOr, BitOrAssign, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub, SubAssign,
+};
 
 use serde::{Deserialize, Serialize};
 
 /// Elements that a block of the engine holds.
 pub const LANES: usize = 8;
 
-/// One value for each of `L` elements.
-pub type Lane<const L: usize = LANES> = [f64; L];
-
-/// A lane that starts at a cache line: one that crossed two would take several times as long to store.
+/// One value for each of `L` elements. It starts at a cache line: one that crossed two would take several times as long to
+/// store.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Stored<const L: usize>(pub Lane<L>);
+pub struct Lane<const L: usize = LANES>([f64; L]);
 
-impl<const L: usize> Deref for Stored<L> {
-    type Target = Lane<L>;
+/// Whether something holds in each of `L` lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mask<const L: usize = LANES>([bool; L]);
+
+impl<const L: usize> Default for Lane<L> {
+    fn default() -> Lane<L> {
+        splat(0.0)
+    }
+}
+
+impl<const L: usize> Deref for Lane<L> {
+    type Target = [f64; L];
 
     #[inline(always)]
-    fn deref(&self) -> &Lane<L> {
+    fn deref(&self) -> &[f64; L] {
         &self.0
     }
 }
 
-impl<const L: usize> DerefMut for Stored<L> {
+impl<const L: usize> DerefMut for Lane<L> {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut Lane<L> {
+    fn deref_mut(&mut self) -> &mut [f64; L] {
         &mut self.0
+    }
+}
+
+impl<const L: usize> From<[f64; L]> for Lane<L> {
+    #[inline(always)]
+    fn from(values: [f64; L]) -> Lane<L> {
+        Lane(values)
+    }
+}
+
+impl<const L: usize> From<f64> for Lane<L> {
+    #[inline(always)]
+    fn from(value: f64) -> Lane<L> {
+        splat(value)
+    }
+}
+
+/// An operator of numbers for lanes with lanes, lanes with a number, and a number with lanes.
+macro_rules! operators {
+    ($($trait:ident $function:ident, $assign:ident $in_place:ident: $operator:tt;)*) => {$(
+        impl<const L: usize> $trait for Lane<L> {
+            type Output = Lane<L>;
+
+            #[inline(always)]
+            fn $function(self, other: Lane<L>) -> Lane<L> {
+                lanes(|l| self[l] $operator other[l])
+            }
+        }
+
+        impl<const L: usize> $trait<f64> for Lane<L> {
+            type Output = Lane<L>;
+
+            #[inline(always)]
+            fn $function(self, other: f64) -> Lane<L> {
+                lanes(|l| self[l] $operator other)
+            }
+        }
+
+        impl<const L: usize> $trait<Lane<L>> for f64 {
+            type Output = Lane<L>;
+
+            #[inline(always)]
+            fn $function(self, other: Lane<L>) -> Lane<L> {
+                lanes(|l| self $operator other[l])
+            }
+        }
+
+        impl<const L: usize, Other> $assign<Other> for Lane<L>
+        where
+            Lane<L>: $trait<Other, Output = Lane<L>>,
+        {
+            #[inline(always)]
+            fn $in_place(&mut self, other: Other) {
+                *self = *self $operator other;
+            }
+        }
+    )*};
+}
+operators! {
+    Add add, AddAssign add_assign: +;
+    Sub sub, SubAssign sub_assign: -;
+    Mul mul, MulAssign mul_assign: *;
+    Div div, DivAssign div_assign: /;
+}
+
+impl<const L: usize> Neg for Lane<L> {
+    type Output = Lane<L>;
+
+    #[inline(always)]
+    fn neg(self) -> Lane<L> {
+        lanes(|l| -self[l])
+    }
+}
+
+impl<const L: usize> Lane<L> {
+    /// Square root in each lane.
+    #[inline(always)]
+    pub fn sqrt(self) -> Lane<L> {
+        lanes(|l| self[l].sqrt())
+    }
+
+    /// Size in each lane.
+    #[inline(always)]
+    pub fn abs(self) -> Lane<L> {
+        lanes(|l| self[l].abs())
+    }
+
+    /// Natural logarithm in each lane: [`ln`].
+    #[inline(always)]
+    pub fn ln(self) -> Lane<L> {
+        lanes(|l| ln(self[l]))
+    }
+
+    /// Exponential function in each lane: [`exp`].
+    #[inline(always)]
+    pub fn exp(self) -> Lane<L> {
+        lanes(|l| exp(self[l]))
+    }
+
+    /// The larger in each lane; `other` where either is NaN.
+    #[inline(always)]
+    pub fn max(self, other: impl Into<Lane<L>>) -> Lane<L> {
+        let other = other.into();
+        lanes(|l| larger(self[l], other[l]))
+    }
+
+    /// The smaller in each lane; `other` where either is NaN.
+    #[inline(always)]
+    pub fn min(self, other: impl Into<Lane<L>>) -> Lane<L> {
+        let other = other.into();
+        lanes(|l| smaller(self[l], other[l]))
+    }
+
+    /// Where it is below the other; nowhere with NaN, as all comparisons.
+    #[inline(always)]
+    pub fn below(self, other: impl Into<Lane<L>>) -> Mask<L> {
+        let other = other.into();
+        mask(|l| self[l] < other[l])
+    }
+
+    /// Where it is above the other.
+    #[inline(always)]
+    pub fn above(self, other: impl Into<Lane<L>>) -> Mask<L> {
+        let other = other.into();
+        mask(|l| self[l] > other[l])
+    }
+
+    /// Where it is not above the other.
+    #[inline(always)]
+    pub fn at_most(self, other: impl Into<Lane<L>>) -> Mask<L> {
+        let other = other.into();
+        mask(|l| self[l] <= other[l])
+    }
+
+    /// Where it is not below the other.
+    #[inline(always)]
+    pub fn at_least(self, other: impl Into<Lane<L>>) -> Mask<L> {
+        let other = other.into();
+        mask(|l| self[l] >= other[l])
+    }
+
+    /// Where it equals the other.
+    #[inline(always)]
+    pub fn equals(self, other: impl Into<Lane<L>>) -> Mask<L> {
+        let other = other.into();
+        mask(|l| self[l] == other[l])
+    }
+
+    /// Where it is NaN.
+    #[inline(always)]
+    pub fn is_nan(self) -> Mask<L> {
+        mask(|l| self[l].is_nan())
+    }
+}
+
+impl<const L: usize> Mask<L> {
+    /// `yes` where it holds, else `no`: without a branch, both are computed.
+    #[inline(always)]
+    pub fn select(self, yes: impl Into<Lane<L>>, no: impl Into<Lane<L>>) -> Lane<L> {
+        let (yes, no) = (yes.into(), no.into());
+        lanes(|l| if self.0[l] { yes[l] } else { no[l] })
+    }
+
+    /// Whether it holds in any lane.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.0.iter().fold(false, |any, holds| any | holds)
+    }
+
+    /// Whether it holds in every lane.
+    #[inline(always)]
+    pub fn all(self) -> bool {
+        self.0.iter().fold(true, |all, holds| all & holds)
+    }
+}
+
+impl<const L: usize> BitAnd for Mask<L> {
+    type Output = Mask<L>;
+
+    #[inline(always)]
+    fn bitand(self, other: Mask<L>) -> Mask<L> {
+        mask(|l| self.0[l] & other.0[l])
+    }
+}
+
+impl<const L: usize> BitOr for Mask<L> {
+    type Output = Mask<L>;
+
+    #[inline(always)]
+    fn bitor(self, other: Mask<L>) -> Mask<L> {
+        mask(|l| self.0[l] | other.0[l])
+    }
+}
+
+impl<const L: usize> BitOrAssign for Mask<L> {
+    #[inline(always)]
+    fn bitor_assign(&mut self, other: Mask<L>) {
+        *self = *self | other;
+    }
+}
+
+impl<const L: usize> Not for Mask<L> {
+    type Output = Mask<L>;
+
+    #[inline(always)]
+    fn not(self) -> Mask<L> {
+        mask(|l| !self.0[l])
     }
 }
 
@@ -143,7 +361,13 @@ pub use at_width;
 /// One value in every lane.
 #[inline(always)]
 pub const fn splat<const L: usize>(value: f64) -> Lane<L> {
-    [value; L]
+    Lane([value; L])
+}
+
+/// One value in a single lane, for what asks a law for one point.
+#[inline(always)]
+pub const fn one(value: f64) -> Lane<1> {
+    splat(value)
 }
 
 /// A value for each lane. An array's own `map` and `from_fn` are not for kernels: generic functions of another crate, they
@@ -157,26 +381,26 @@ pub fn lanes<const L: usize>(value: impl Fn(usize) -> f64) -> Lane<L> {
     out
 }
 
+/// Whether something holds, lane by lane.
+#[inline(always)]
+fn mask<const L: usize>(holds: impl Fn(usize) -> bool) -> Mask<L> {
+    let mut out = Mask([false; L]);
+    for l in 0..L {
+        out.0[l] = holds(l);
+    }
+    out
+}
+
 /// Scalar product in each lane.
 #[inline(always)]
 pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {
-    let mut out = splat(0.0);
-    for l in 0..L {
-        out[l] = a[0][l] * b[0][l] + a[1][l] * b[1][l] + a[2][l] * b[2][l];
-    }
-    out
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Vector product in each lane.
 #[inline(always)]
 pub fn cross<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane3<L> {
-    let mut out = [splat(0.0); 3];
-    for (axis, (i, j)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
-        for l in 0..L {
-            out[axis][l] = a[i][l] * b[j][l] - a[j][l] * b[i][l];
-        }
-    }
-    out
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The larger of two numbers, as one instruction: `b` where either is NaN.

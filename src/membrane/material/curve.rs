@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, larger, one, smaller, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
@@ -154,7 +154,7 @@ impl Curve {
 
     /// Stress at one strain, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
-        self.stress_lanes(&[strain])[0]
+        self.stress_lanes(&one(strain))[0]
     }
 
     /// Least strain with `stress` (Pa), on the last slope beyond the last point; infinite where the curve does not
@@ -169,7 +169,7 @@ impl Curve {
 
     /// Area under the curve up to one strain, J/m³.
     pub fn energy(&self, strain: f64) -> f64 {
-        self.read(&[strain]).energy[0]
+        self.read(&one(strain)).energy[0]
     }
 
     /// Stress in each lane: a sum of clamped segments, so without a branch on the strain.

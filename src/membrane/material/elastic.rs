@@ -33,7 +33,7 @@ impl Elastic {
     /// √(1 + 2E₃₃) with E₃₃ = −ν/Y (S₁₁ + S₂₂), in plane stress; NaN where the root is not real, beyond the strains
     /// for which the law is valid. `s` holds S₁₁ and S₂₂.
     pub(super) fn thickness_stretch<const L: usize>(&self, s: &[Lane<L>; 2]) -> Lane<L> {
-        std::array::from_fn(|l| (1.0 - 2.0 * self.poisson / self.young * (s[0][l] + s[1][l])).sqrt())
+        crate::lane::lanes(|l| (1.0 - 2.0 * self.poisson / self.young * (s[0][l] + s[1][l])).sqrt())
     }
 
     fn shear(&self) -> f64 {

@@ -218,7 +218,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> 
             let viscous = self.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
             let heating = heating.iter_mut().flat_map(|heating| heating.of_block(block));
             let tearing = tearing.iter_mut().flat_map(|tearing| tearing.of_block(block));
-            let beside = viscous.map(|stored| &mut stored.0).chain(heating).chain(tearing);
+            let beside = viscous.chain(heating).chain(tearing);
             beside.for_each(|variable| visit(variable, lanes.clone()));
         }
     }

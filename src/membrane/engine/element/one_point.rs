@@ -247,7 +247,7 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
 
     fn gradients(&self) -> [[Lane<L>; 2]; 4] {
         let [first, second] = self.gradient;
-        let opposite = |of: [Lane<L>; 2]| of.map(|b| b.map(|b| -b));
+        let opposite = |of: [Lane<L>; 2]| of.map(|b| -b);
         [first, second, opposite(first), opposite(second)]
     }
 

@@ -1,6 +1,6 @@
 //! Viscous film: the history variables of its Prony series, beside the blocks of its elements.
 
-use crate::lane::{Lane, Stored};
+use crate::lane::{Lane, splat};
 use crate::material::{Deformation, Energy, Measure, Stiffness, Stress, ViscousLaw, ViscousStep};
 
 /// The Prony series of elements and its history variables, block by block and point by point.
@@ -14,7 +14,7 @@ pub(crate) struct ViscousPoints<const L: usize> {
     is_mounted: bool,
     /// Of one block.
     per_block: usize,
-    variables: Vec<Stored<L>>,
+    variables: Vec<Lane<L>>,
 }
 
 impl<const L: usize> ViscousPoints<L> {
@@ -22,7 +22,7 @@ impl<const L: usize> ViscousPoints<L> {
     pub(crate) fn new(law: ViscousLaw, blocks: usize, points: usize) -> ViscousPoints<L> {
         let per_block = points * law.viscosity.variables();
         let step = ViscousStep::mounting(&law.viscosity);
-        let variables = vec![Stored([0.0; L]); blocks * per_block];
+        let variables = vec![splat(0.0); blocks * per_block];
         let mut points = ViscousPoints { law, step, dt: f64::NAN, is_mounted: false, per_block, variables };
         points.reset();
         points
@@ -59,7 +59,7 @@ impl<const L: usize> ViscousPoints<L> {
     }
 
     /// The law and the variables of one block, mutable; all points of the block follow each other.
-    pub(crate) fn block_mut(&mut self, block: usize) -> (&ViscousLaw, &mut [Stored<L>]) {
+    pub(crate) fn block_mut(&mut self, block: usize) -> (&ViscousLaw, &mut [Lane<L>]) {
         // Its variables may be restored ones.
         self.is_mounted = true;
         (&self.law, &mut self.variables[block * self.per_block..][..self.per_block])
@@ -77,7 +77,7 @@ impl<const L: usize> ViscousPoints<L> {
     pub(super) fn count_mounting(&mut self, block: usize, energy: Lane<L>) {
         let (count, instant) = (self.law.viscosity.variables(), self.law.instant());
         let (law, variables) = self.block_mut(block);
-        let work = energy.map(|energy| instant * energy);
+        let work = instant * energy;
         variables.chunks_exact_mut(count).for_each(|point| law.set_work(point, &work));
     }
 
@@ -96,7 +96,7 @@ impl<const L: usize> ViscousPoints<L> {
 pub(crate) struct ViscousPass<'a, const L: usize> {
     law: &'a ViscousLaw,
     step: &'a ViscousStep<L>,
-    blocks: std::slice::ChunksExactMut<'a, Stored<L>>,
+    blocks: std::slice::ChunksExactMut<'a, Lane<L>>,
 }
 
 impl<const L: usize> ViscousPass<'_, L> {
@@ -112,7 +112,7 @@ impl<const L: usize> ViscousPass<'_, L> {
 pub(crate) struct MovedBlock<'a, const L: usize> {
     law: &'a ViscousLaw,
     step: &'a ViscousStep<L>,
-    variables: &'a mut [Stored<L>],
+    variables: &'a mut [Lane<L>],
 }
 
 impl<const L: usize> MovedBlock<'_, L> {
@@ -128,11 +128,11 @@ impl<const L: usize> MovedBlock<'_, L> {
 #[derive(Clone, Copy)]
 pub(crate) struct ViscousBlock<'a, const L: usize> {
     law: &'a ViscousLaw,
-    variables: &'a [Stored<L>],
+    variables: &'a [Lane<L>],
 }
 
 impl<const L: usize> ViscousBlock<'_, L> {
-    fn point(&self, point: usize) -> &[Stored<L>] {
+    fn point(&self, point: usize) -> &[Lane<L>] {
         let count = self.law.viscosity.variables();
         &self.variables[point * count..][..count]
     }

@@ -10,7 +10,7 @@ use super::FilmContact;
 use super::surface::NONE;
 use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
-use crate::lane::{LANES, Lane, Width, at_width, larger, smaller, splat};
+use crate::lane::{LANES, Lane, Width, at_width, lanes, larger, smaller, splat};
 
 /// Pairs of which the soonest that is due is found at once.
 const BLOCK: usize = 64;
@@ -130,11 +130,9 @@ at_width! {
         };
         let whole = x.len() - x.len() % LANES;
         for first in (0..whole).step_by(LANES) {
-            for l in 0..LANES {
-                largest[l] = larger(squared(first + l), largest[l]);
-            }
+            largest = lanes(|l| squared(first + l)).max(largest);
         }
-        (whole..x.len()).map(squared).chain(largest).fold(0.0, f64::max).sqrt()
+        (whole..x.len()).map(squared).chain(*largest).fold(0.0, f64::max).sqrt()
     }
 }
 

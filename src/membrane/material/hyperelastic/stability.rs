@@ -1,5 +1,6 @@
 //! Hill's criterion of stability: stretches from which on a law gives way.
 
+use crate::lane::one;
 use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, Tension, with_energy};
 
 /// Largest stretch that is checked.
@@ -44,7 +45,7 @@ fn instability(energy: &impl StrainEnergy, most: f64) -> Option<(Tension, f64)> 
 /// Whether the stresses grow with the strains; also beyond the limit of a law, where there are none.
 fn is_stable(energy: &impl StrainEnergy, squares: [f64; 2]) -> bool {
     let kirchhoff = |squares: [f64; 2]| {
-        let stress = energy.stress(&squares.map(|c| [c]));
+        let stress = energy.stress(&squares.map(one));
         [0, 1].map(|i| squares[i] * stress[i][0])
     };
     let slope = |j: usize| {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::lane::one;
 use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, with_energy};
 
 /// Kinds of tension.
@@ -20,7 +21,7 @@ impl Tension {
     pub(super) fn squares(self, energy: &impl StrainEnergy, stretch: f64) -> [f64; 2] {
         let square = stretch * stretch;
         match self {
-            Tension::Uniaxial => [square, energy.natural_width(&[square])[0]],
+            Tension::Uniaxial => [square, energy.natural_width(&one(square))[0]],
             Tension::Equibiaxial => [square; 2],
             Tension::Plane => [square, 1.0],
         }
@@ -46,7 +47,7 @@ impl HyperelasticLaw {
     /// Nominal principal stresses P_i = λ_i S_i (Pa) of taut film at these principal stretches in the plane, in their
     /// order; NaN beyond the limit of a law.
     pub fn nominal_stress(&self, stretches: [f64; 2]) -> [f64; 2] {
-        let squares = stretches.map(|stretch| [stretch * stretch]);
+        let squares = stretches.map(|stretch| one(stretch * stretch));
         let stress = with_energy!(self, energy => energy.stress(&squares));
         [0, 1].map(|i| stretches[i] * stress[i][0])
     }

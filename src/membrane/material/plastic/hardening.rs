@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lane::{Lane, exp, lanes, splat};
+use crate::lane::{Lane, exp, lanes, one, splat};
 use crate::material::{Curve, CurveError};
 
 /// Flow stress of slow flow over the equivalent plastic strain p.
@@ -147,7 +147,7 @@ impl Hardening {
 
     /// Flow stress at the equivalent plastic strain `p`, Pa.
     pub fn stress(&self, p: f64) -> f64 {
-        self.flow(&[p]).stress[0]
+        self.flow(&one(p)).stress[0]
     }
 
     /// Flow stress and slope.

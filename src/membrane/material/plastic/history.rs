@@ -41,7 +41,7 @@ impl<const L: usize> History<L> for PlasticHistory<L> {
     /// Zero: the law depends on no largest strain.
     #[inline(always)]
     fn peak(&self, _fibre: usize) -> &Lane<L> {
-        const { &[0.0; L] }
+        const { &splat(0.0) }
     }
 
     #[inline(always)]

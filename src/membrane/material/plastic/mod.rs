@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
-use crate::lane::{Lane, exp, larger, splat};
+use crate::lane::{Lane, exp, lanes, larger, one, splat};
 
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
@@ -84,7 +84,7 @@ impl Plastic {
 
     /// Flow stress at the equivalent plastic strain `p` and its constant rate, 1/s, Pa.
     pub fn flow_stress(&self, p: f64, rate: f64) -> f64 {
-        self.rate.stress_at(self.hardening.flow(&[p]), p, rate)
+        self.rate.stress_at(self.hardening.flow(&one(p)), p, rate)
     }
 
     /// Amplitudes of the elastic strain with the plastic strain `plastic`.
@@ -206,7 +206,7 @@ impl MembraneLaw for Plastic {
         let c = d.metric();
         let trace = logarithm::trace(&c, [&stress.tension[0], &stress.tension[1], &stress.cross]);
         let volume = (1.0 - 2.0 * self.elastic.poisson) / self.elastic.young;
-        std::array::from_fn(|l| exp(volume * trace[l]) / (c[0][l] * c[1][l] - c[2][l] * c[2][l]).sqrt())
+        lanes(|l| exp(volume * trace[l]) / (c[0][l] * c[1][l] - c[2][l] * c[2][l]).sqrt())
     }
 
     fn moduli(&self) -> [f64; 2] {

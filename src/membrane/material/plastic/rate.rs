@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::FlowCurve;
 use super::hardening::Flow;
-use crate::lane::{Lane, ln, splat};
+use crate::lane::{Lane, ln, one, splat};
 use crate::material::log_interval::LogInterval;
 
 /// Dependence of the flow stress on the rate ṗ of the equivalent plastic strain.
@@ -128,7 +128,7 @@ impl FlowRate {
     pub(super) fn stress_at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
         match self {
             FlowRate::Independent => slow.stress[0],
-            FlowRate::Table(table) => table.flow(&slow, &[p], &[ln(rate)]).stress[0],
+            FlowRate::Table(table) => table.flow(&slow, &one(p), &one(ln(rate))).stress[0],
         }
     }
 }

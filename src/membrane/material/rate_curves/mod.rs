@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Curve;
-use crate::lane::{Lane, lanes, larger, ln, smaller};
+use crate::lane::{Lane, lanes, larger, ln, one, smaller};
 use interval::RateInterval;
 
 /// Curves of one fibre set by strain rate.
@@ -162,7 +162,7 @@ impl RateCurves {
 
     /// Stress (Pa) at `strain`, reached at the constant `rate` (1/s).
     pub fn stress_at(&self, strain: f64, rate: f64) -> f64 {
-        self.mix(&self.log_rate(&[1.0 / rate]), |curve| curve.stress_lanes(&[strain]))[0]
+        self.mix(&self.log_rate(&one(1.0 / rate)), |curve| curve.stress_lanes(&one(strain)))[0]
     }
 
     /// Logarithm of the rate (1/s) within those of the curves.

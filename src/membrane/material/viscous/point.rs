@@ -1,7 +1,7 @@
 //! The history variables of a viscous point, and its stress, energy and stiffness.
 
 use super::{Viscosity, ViscousStep};
-use crate::lane::{Lane, Stored, larger, smaller, splat};
+use crate::lane::{Lane, larger, smaller, splat};
 use crate::material::elastic::{Elastic, Plane};
 use crate::material::measure::{Measure, Measured, ViscousBase, WithoutCompression};
 use crate::material::{Deformation, Energy, Stiffness, Stress};
@@ -37,10 +37,10 @@ impl ViscousLaw {
     }
 
     /// Sets the history variables of a point to those of virgin film.
-    pub fn reset<const L: usize>(&self, variables: &mut [Stored<L>]) {
-        variables.fill(Stored(splat(0.0)));
+    pub fn reset<const L: usize>(&self, variables: &mut [Lane<L>]) {
+        variables.fill(splat(0.0));
         for (variable, strain) in variables[STRAIN..WORK].iter_mut().zip(self.base.measure.undeformed()) {
-            variable.0 = splat(strain);
+            *variable = splat(strain);
         }
     }
 
@@ -53,7 +53,7 @@ impl ViscousLaw {
         step: &ViscousStep<L>,
         d: &Deformation<L>,
         stress: &mut Stress<L>,
-        variables: &mut [Stored<L>],
+        variables: &mut [Lane<L>],
     ) {
         let at = measure.evaluate(d);
         let base = self.base_stress(&at, stress);
@@ -92,8 +92,8 @@ impl ViscousLaw {
         &self,
         step: &ViscousStep<L>,
         base: &Lane<L>,
-        own: &mut Stored<L>,
-        terms: &mut [[Stored<L>; 3]],
+        own: &mut Lane<L>,
+        terms: &mut [[Lane<L>; 3]],
         k: usize,
     ) -> [Lane<L>; 2] {
         let (mut change, mut before, mut now) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
@@ -104,7 +104,7 @@ impl ViscousLaw {
             before[l] = self.long_term * own[l];
             now[l] = self.long_term * base[l];
         }
-        own.0 = *base;
+        *own = *base;
         for ([kept, taken], overstress) in step.terms.iter().zip(terms) {
             let mut overstress_now = splat::<L>(0.0);
             for l in 0..L {
@@ -115,7 +115,7 @@ impl ViscousLaw {
                 before[l] += old;
                 now[l] += overstress_now[l];
             }
-            overstress[k].0 = overstress_now;
+            overstress[k] = overstress_now;
         }
         [before, now]
     }
@@ -140,7 +140,7 @@ impl ViscousLaw {
         at: &Measured<L>,
         before: &Plane<L>,
         now: &Plane<L>,
-        head: &mut [Stored<L>; FIRST_TERM],
+        head: &mut [Lane<L>; FIRST_TERM],
     ) {
         for l in 0..L {
             let mut work = 0.0;
@@ -159,7 +159,7 @@ impl ViscousLaw {
             head[WORK][l] += 0.5 * work;
         }
         for k in 0..3 {
-            head[STRAIN + k].0 = at.strain[k];
+            head[STRAIN + k] = at.strain[k];
         }
     }
 
@@ -232,13 +232,13 @@ impl ViscousLaw {
     }
 
     /// Stress of the point with these history variables, where it is deformed by `d`.
-    pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Stored<L>]) -> Stress<L> {
+    pub fn stress<const L: usize>(&self, d: &Deformation<L>, variables: &[Lane<L>]) -> Stress<L> {
         Elastic::first_piola(d, self.base.measure.evaluate(d).unmeasured(&self.total(variables)))
     }
 
     /// (1 − Σg) S° + Σ q, in the measure of the law.
     #[inline(always)]
-    fn total<const L: usize>(&self, variables: &[Stored<L>]) -> Plane<L> {
+    fn total<const L: usize>(&self, variables: &[Lane<L>]) -> Plane<L> {
         let mut total = [splat(0.0); 3];
         for k in 0..3 {
             for l in 0..L {
@@ -261,14 +261,14 @@ impl ViscousLaw {
         d: &Deformation<L>,
         stress: &Stress<L>,
         energy: &Energy<L>,
-        variables: &[Stored<L>],
+        variables: &[Lane<L>],
     ) -> Energy<L> {
         let base = self.base_stress(&self.base.measure.evaluate(d), stress);
-        let own = [0, 1, 2].map(|k| variables[STRESS + k].0);
+        let own = [0, 1, 2].map(|k| variables[STRESS + k]);
         let (of_base, of_own) = (self.base.complementary(&base), self.base.complementary(&own));
         let mut springs = splat::<L>(0.0);
         for (term, overstress) in self.viscosity.terms.iter().zip(variables[FIRST_TERM..].as_chunks::<3>().0) {
-            let spring = self.base.complementary(&overstress.map(|q| q.0));
+            let spring = self.base.complementary(&overstress);
             for l in 0..L {
                 springs[l] += spring[l] / term.share;
             }
@@ -287,8 +287,8 @@ impl ViscousLaw {
     }
 
     /// Sets the work of a point up to now, J/m³.
-    pub fn set_work<const L: usize>(&self, variables: &mut [Stored<L>], work: &Lane<L>) {
-        variables[WORK].0 = *work;
+    pub fn set_work<const L: usize>(&self, variables: &mut [Lane<L>], work: &Lane<L>) {
+        variables[WORK] = *work;
     }
 
     /// Instantaneous energy over that of the law as written.
@@ -302,11 +302,11 @@ impl ViscousLaw {
         &self,
         d: &Deformation<L>,
         mut stiffness: Stiffness<L>,
-        variables: &[Stored<L>],
+        variables: &[Lane<L>],
     ) -> Stiffness<L> {
         let at = self.base.measure.evaluate(d);
         let (total, base) =
-            (at.unmeasured(&self.total(variables)), at.unmeasured(&[0, 1, 2].map(|k| variables[STRESS + k].0)));
+            (at.unmeasured(&self.total(variables)), at.unmeasured(&[0, 1, 2].map(|k| variables[STRESS + k])));
         for l in 0..L {
             let sheared = larger(total[2][l].abs() - base[2][l].abs(), 0.0);
             for fibre in 0..2 {
@@ -324,7 +324,7 @@ impl ViscousLaw {
     /// TD fibres are not broken fell from `before` to `left`.
     pub fn break_fibres<const L: usize>(
         &self,
-        variables: &mut [Stored<L>],
+        variables: &mut [Lane<L>],
         lane: usize,
         before: [f64; 2],
         left: [f64; 2],

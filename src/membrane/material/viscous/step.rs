@@ -1,7 +1,7 @@
 //! Coefficients of a Prony series over one time step.
 
 use super::Viscosity;
-use crate::lane::{Stored, exp, splat};
+use crate::lane::{Lane, exp, splat};
 
 /// Δt/τ below which the mean of the decay is its series.
 const SHORT: f64 = 0.5;
@@ -12,7 +12,7 @@ const SHORT: f64 = 0.5;
 pub struct ViscousStep<const L: usize> {
     /// Of each term: the share of its overstress that is kept over the step, and the part of the change of the
     /// instantaneous stress that it takes up.
-    pub(super) terms: Vec<[Stored<L>; 2]>,
+    pub(super) terms: Vec<[Lane<L>; 2]>,
     /// Change of the stress over that of the instantaneous one within the step.
     pub(super) fresh: f64,
 }
@@ -35,7 +35,7 @@ impl<const L: usize> ViscousStep<L> {
 
     fn from_terms(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
         let fresh = viscosity.long_term() + terms.iter().map(|[_, taken]| taken).sum::<f64>();
-        let terms = terms.into_iter().map(|term| term.map(|coefficient| Stored(splat(coefficient)))).collect();
+        let terms = terms.into_iter().map(|term| term.map(|coefficient| splat(coefficient))).collect();
         ViscousStep { terms, fresh }
     }
 }

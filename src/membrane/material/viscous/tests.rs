@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use super::step::decay;
 use super::*;
-use crate::lane::{Stored, splat};
+use crate::lane::{Lane, splat};
 use crate::material::hyperelastic::{Hyperelastic, Polynomial};
 use crate::material::tests::film;
 use crate::material::{
@@ -18,7 +18,7 @@ struct Point<M> {
     law: M,
     viscous: ViscousLaw,
     history: PeakStrains<1>,
-    variables: Vec<Stored<1>>,
+    variables: Vec<Lane<1>>,
 }
 
 impl<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone> Point<M> {
@@ -26,7 +26,7 @@ impl<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone> Point<M> {
         let base = law.viscous().unwrap();
         assert_eq!(M::MEASURE, Some(base.measure));
         let viscous = ViscousLaw::new(viscosity, base);
-        let mut variables = vec![Stored(splat(0.0)); viscous.viscosity.variables()];
+        let mut variables = vec![splat(0.0); viscous.viscosity.variables()];
         viscous.reset(&mut variables);
         Point { law, viscous, history: History::virgin(), variables }
     }
