@@ -130,6 +130,12 @@ impl<const L: usize> Lane<L> {
         lanes(|l| self[l].abs())
     }
 
+    /// Its size with the sign of the other in each lane.
+    #[inline(always)]
+    pub fn copysign(self, sign: Lane<L>) -> Lane<L> {
+        lanes(|l| self[l].copysign(sign[l]))
+    }
+
     /// Natural logarithm in each lane: [`ln`].
     #[inline(always)]
     pub fn ln(self) -> Lane<L> {
@@ -199,6 +205,9 @@ impl<const L: usize> Lane<L> {
 }
 
 impl<const L: usize> Mask<L> {
+    /// It holds in every lane.
+    pub const ALL: Mask<L> = Mask([true; L]);
+
     /// `yes` where it holds, else `no`: without a branch, both are computed.
     #[inline(always)]
     pub fn select(self, yes: impl Into<Lane<L>>, no: impl Into<Lane<L>>) -> Lane<L> {

@@ -14,7 +14,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
-use crate::lane::{Lane, lanes, larger, splat};
+use crate::lane::Lane;
 
 /// Share D of the stored energy that is lost on unloading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,28 +43,23 @@ impl Absorption {
 
     /// Strain on the curve that has the stress of a fibre at `strain` with largest strain `peak`.
     #[inline(always)]
-    fn curve_strain(&self, strain: f64, peak: f64) -> f64 {
+    fn curve_strain<const L: usize>(&self, strain: Lane<L>, peak: Lane<L>) -> Lane<L> {
         peak - (peak - strain) * self.steepening
     }
 
     /// Stress at `strain`; raises `peak` to it.
     #[inline(always)]
-    pub fn stress<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &mut Lane<L>) -> Lane<L> {
-        let mut curve_strain = splat(0.0);
-        for l in 0..L {
-            // In this order a NaN strain leaves the peak as it is; the stress has it all the same.
-            peak[l] = larger(strain[l], peak[l]);
-            curve_strain[l] = self.curve_strain(strain[l], peak[l]);
-        }
-        curve.stress_lanes(&curve_strain)
+    pub fn stress<const L: usize>(&self, curve: &Curve, strain: Lane<L>, peak: &mut Lane<L>) -> Lane<L> {
+        // In this order a NaN strain leaves the peak as it is; the stress has it all the same.
+        *peak = strain.max(*peak);
+        curve.stress_lanes(self.curve_strain(strain, *peak))
     }
 
     /// Energy density (J/m³) at `strain` with largest strain `peak`: stored and absorbed.
     #[inline(always)]
-    pub fn energy<const L: usize>(&self, curve: &Curve, strain: &Lane<L>, peak: &Lane<L>) -> (Lane<L>, Lane<L>) {
-        let curve_strain: Lane<L> = lanes(|l| self.curve_strain(strain[l], peak[l]));
-        let (present, largest) = (curve.read(&curve_strain).energy, curve.read(peak).energy);
-        (lanes(|l| (1.0 - self.share) * present[l]), lanes(|l| self.share * largest[l]))
+    pub fn energy<const L: usize>(&self, curve: &Curve, strain: Lane<L>, peak: Lane<L>) -> (Lane<L>, Lane<L>) {
+        let (present, largest) = (curve.read(self.curve_strain(strain, peak)).energy, curve.read(peak).energy);
+        ((1.0 - self.share) * present, self.share * largest)
     }
 
     /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.
@@ -72,29 +67,22 @@ impl Absorption {
     pub fn largest_slope<const L: usize>(
         &self,
         curve: &Curve,
-        strain: &Lane<L>,
-        peak: &Lane<L>,
+        strain: Lane<L>,
+        peak: Lane<L>,
         reach: f64,
     ) -> Lane<L> {
         let reach = reach * self.steepening;
-        let (mut from, mut to) = (splat(0.0), splat(0.0));
-        for l in 0..L {
-            let place = self.curve_strain(strain[l], peak[l]);
-            from[l] = place - reach;
-            to[l] = place + reach;
-        }
-        let mut largest_slope = curve.largest_slope(&from, &to);
-        for l in 0..L {
-            // Loading has the plain slope, but any strain may turn to unloading within the interval.
-            largest_slope[l] = if to[l] < 0.0 { 0.0 } else { self.steepening * largest_slope[l] };
-        }
-        largest_slope
+        let place = self.curve_strain(strain, peak);
+        let (from, to) = (place - reach, place + reach);
+        // Loading has the plain slope, but any strain may turn to unloading within the interval.
+        to.below(0.0).select(0.0, self.steepening * curve.largest_slope(from, to))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
 
     fn curves() -> [Curve; 3] {
         [
@@ -109,9 +97,9 @@ mod tests {
         let steps = 20_000;
         let at = |i: usize| from + (to - from) * i as f64 / steps as f64;
         let mut total = 0.0;
-        let mut before = absorption.stress(curve, &splat(from), peak)[0];
+        let mut before = absorption.stress(curve, one(from), peak)[0];
         for i in 1..=steps {
-            let stress = absorption.stress(curve, &splat(at(i)), peak)[0];
+            let stress = absorption.stress(curve, one(at(i)), peak)[0];
             total += 0.5 * (before + stress) * (at(i) - at(i - 1));
             before = stress;
         }
@@ -125,7 +113,7 @@ mod tests {
         for curve in curves() {
             for share in [0.0, 0.3, 0.8896, 0.99] {
                 let absorption = Absorption::new(share);
-                let mut peak = splat(0.0);
+                let mut peak = one(0.0);
                 for fraction in [0.02, 0.1, 0.4, 0.9] {
                     let largest = fraction * curve.end();
                     work(absorption, &curve, &mut peak, 0.0, largest);
@@ -134,7 +122,7 @@ mod tests {
                     let again = work(absorption, &curve, &mut peak, 0.0, largest);
                     assert!((out - (1.0 - share) * envelope).abs() < 1e-5 * envelope, "D {share}: {out} of {envelope}");
                     assert!((again - out).abs() < 1e-9 * envelope, "reload {again} after {out}");
-                    let (stored, absorbed) = absorption.energy(&curve, &splat(largest), &peak);
+                    let (stored, absorbed) = absorption.energy(&curve, one(largest), peak);
                     assert!((stored[0] + absorbed[0] - envelope).abs() < 1e-12 * envelope);
                 }
             }
@@ -146,14 +134,14 @@ mod tests {
         for curve in curves() {
             let absorption = Absorption::new(0.8896);
             let largest = 0.8 * curve.end();
-            let mut peak = [largest];
+            let mut peak = one(largest);
             let path: Vec<f64> = (0..=200)
-                .map(|i| absorption.stress(&curve, &splat(largest * f64::from(i) / 200.0), &mut peak)[0])
+                .map(|i| absorption.stress(&curve, one(largest * f64::from(i) / 200.0), &mut peak)[0])
                 .collect();
             assert!(path.windows(2).all(|w| w[0] <= w[1]));
             assert_eq!(path[200], curve.stress(largest));
             assert_eq!(
-                absorption.stress(&curve, &splat(0.9 * curve.end()), &mut peak)[0],
+                absorption.stress(&curve, one(0.9 * curve.end()), &mut peak)[0],
                 curve.stress(0.9 * curve.end())
             );
         }

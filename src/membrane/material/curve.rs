@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lane::{Lane, larger, one, smaller, splat};
+use crate::lane::{Lane, one, splat};
 
 /// A piecewise linear stress–strain curve that starts at the origin.
 ///
@@ -22,6 +22,14 @@ struct Segment {
     length: f64,
     slope: f64,
     stress: f64,
+}
+
+impl Segment {
+    /// How much of the segment lies below `strain`.
+    #[inline(always)]
+    fn part<const L: usize>(&self, strain: Lane<L>) -> Lane<L> {
+        (strain - self.start).max(0.0).min(self.length)
+    }
 }
 
 /// Why points are not a stress–strain curve.
@@ -154,7 +162,7 @@ impl Curve {
 
     /// Stress at one strain, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
-        self.stress_lanes(&one(strain))[0]
+        self.stress_lanes(one(strain))[0]
     }
 
     /// Least strain with `stress` (Pa), on the last slope beyond the last point; infinite where the curve does not
@@ -169,61 +177,51 @@ impl Curve {
 
     /// Area under the curve up to one strain, J/m³.
     pub fn energy(&self, strain: f64) -> f64 {
-        self.read(&one(strain)).energy[0]
+        self.read(one(strain)).energy[0]
     }
 
     /// Stress in each lane: a sum of clamped segments, so without a branch on the strain.
     #[inline(always)]
-    pub fn stress_lanes<const L: usize>(&self, strain: &Lane<L>) -> Lane<L> {
+    pub fn stress_lanes<const L: usize>(&self, strain: Lane<L>) -> Lane<L> {
         let mut stress = splat(0.0);
         for s in &self.segments {
-            for l in 0..L {
-                // Every segment adds what lies within it: lanes with different strains need neither a search nor a
-                // branch, and curves have few segments.
-                stress[l] += s.slope * smaller(larger(strain[l] - s.start, 0.0), s.length);
-            }
+            // Every segment adds what lies within it: lanes with different strains need neither a search nor a branch,
+            // and curves have few segments.
+            stress += s.slope * s.part(strain);
         }
         stress
     }
 
     /// Stress in each lane, as [`Curve::stress_lanes`], and slope, at a corner that of the segment behind it, Pa.
     #[inline(always)]
-    pub(super) fn tangent<const L: usize>(&self, strain: &Lane<L>) -> [Lane<L>; 2] {
-        let [mut stress, mut slope] = [splat(0.0); 2];
+    pub(super) fn tangent<const L: usize>(&self, strain: Lane<L>) -> [Lane<L>; 2] {
+        let mut slope = splat(0.0);
         for s in &self.segments {
-            for l in 0..L {
-                let from = strain[l] - s.start;
-                stress[l] += s.slope * smaller(larger(from, 0.0), s.length);
-                slope[l] += if (from >= 0.0) & (from < s.length) { s.slope } else { 0.0 };
-            }
+            let from = strain - s.start;
+            slope += (from.at_least(0.0) & from.below(s.length)).select(s.slope, 0.0);
         }
-        [stress, slope]
+        [self.stress_lanes(strain), slope]
     }
 
     /// Stress and energy in each lane.
     #[inline(always)]
-    pub fn read<const L: usize>(&self, strain: &Lane<L>) -> Reading<L> {
+    pub fn read<const L: usize>(&self, strain: Lane<L>) -> Reading<L> {
         let mut energy = splat(0.0);
         for s in &self.segments {
-            for l in 0..L {
-                let d = smaller(larger(strain[l] - s.start, 0.0), s.length);
-                energy[l] += (s.stress + 0.5 * s.slope * d) * d;
-            }
+            let d = s.part(strain);
+            energy += (s.stress + 0.5 * s.slope * d) * d;
         }
         Reading { stress: self.stress_lanes(strain), energy }
     }
 
     /// Largest slope between two strains in each lane, Pa.
     #[inline(always)]
-    pub fn largest_slope<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>) -> Lane<L> {
-        let mut most = splat(0.0);
+    pub fn largest_slope<const L: usize>(&self, from: Lane<L>, to: Lane<L>) -> Lane<L> {
+        let (mut most, to) = (splat(0.0), to.max(0.0));
         for s in &self.segments {
-            let end = s.start + s.length;
-            for l in 0..L {
-                // Ends included: a strain at a corner may go on along either slope.
-                let overlaps = (s.start <= larger(to[l], 0.0)) & (end >= from[l]);
-                most[l] = if overlaps { larger(s.slope, most[l]) } else { most[l] };
-            }
+            // Ends included: a strain at a corner may go on along either slope.
+            let overlaps = to.at_least(s.start) & from.at_most(s.start + s.length);
+            most = overlaps.select(most.max(s.slope), most);
         }
         most
     }
@@ -256,7 +254,7 @@ mod tests {
         for (from, to, slope) in
             [(0.0, 0.05, 20.0), (0.05, 0.2, 20.0), (0.2, 0.3, 5.0), (0.6, 0.9, 5.0), (-0.2, -0.1, 20.0)]
         {
-            assert!((bilinear().largest_slope(&[from], &[to])[0] - slope).abs() < 1e-9, "{from}..{to}");
+            assert!((bilinear().largest_slope(one(from), one(to))[0] - slope).abs() < 1e-9, "{from}..{to}");
         }
     }
 
@@ -275,7 +273,7 @@ mod tests {
             let moved = bilinear().ending_at(end);
             assert_eq!((moved.end(), moved.points().len()), (end, corners));
             for strain in [0.02, 0.05, 0.2, 0.3, 0.6, 0.9].into_iter().filter(|strain| *strain <= end) {
-                assert_eq!(moved.read(&[strain]).stress, bilinear().read(&[strain]).stress, "{strain} of {end}");
+                assert_eq!(moved.read(one(strain)).stress, bilinear().read(one(strain)).stress, "{strain} of {end}");
                 assert_eq!(moved.energy(strain), bilinear().energy(strain), "{strain} of {end}");
             }
             assert_eq!(moved.points()[corners - 1][1], bilinear().stress(end));

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Deformation, Energy, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
-use crate::lane::{Lane, dot, larger, splat};
+use crate::lane::{Lane, dot, splat};
 
 /// Isotropic linear elasticity for small strain and any rotation; it carries compression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ impl Elastic {
     /// √(1 + 2E₃₃) with E₃₃ = −ν/Y (S₁₁ + S₂₂), in plane stress; NaN where the root is not real, beyond the strains
     /// for which the law is valid. `s` holds S₁₁ and S₂₂.
     pub(super) fn thickness_stretch<const L: usize>(&self, s: &[Lane<L>; 2]) -> Lane<L> {
-        crate::lane::lanes(|l| (1.0 - 2.0 * self.poisson / self.young * (s[0][l] + s[1][l])).sqrt())
+        (1.0 - 2.0 * self.poisson / self.young * (s[0] + s[1])).sqrt()
     }
 
     fn shear(&self) -> f64 {
@@ -44,60 +44,37 @@ impl Elastic {
     #[inline(always)]
     pub(super) fn strain<const L: usize>(d: &Deformation<L>) -> Plane<L> {
         let [f1, f2] = &d.f;
-        let (c11, c22, c12) = (dot(f1, f1), dot(f2, f2), dot(f1, f2));
-        let mut strain = [splat(0.0); 3];
-        for l in 0..L {
-            strain[0][l] = 0.5 * (c11[l] + d.stretch_variance[0][l] - 1.0);
-            strain[1][l] = 0.5 * (c22[l] + d.stretch_variance[1][l] - 1.0);
-            strain[2][l] = 0.5 * c12[l];
-        }
-        strain
+        let [s1, s2] = d.stretch_variance;
+        [0.5 * (dot(f1, f1) + s1 - 1.0), 0.5 * (dot(f2, f2) + s2 - 1.0), 0.5 * dot(f1, f2)]
     }
 
     /// Second Piola–Kirchhoff stress at strain `e`.
     #[inline(always)]
     fn response<const L: usize>(&self, e: &Plane<L>) -> Plane<L> {
-        let (plane, twice_shear) = (self.plane(), 2.0 * self.shear());
-        let mut stress = [splat(0.0); 3];
-        for l in 0..L {
-            stress[0][l] = plane * (e[0][l] + self.poisson * e[1][l]);
-            stress[1][l] = plane * (e[1][l] + self.poisson * e[0][l]);
-            stress[2][l] = twice_shear * e[2][l];
-        }
-        stress
+        let (plane, nu) = (self.plane(), self.poisson);
+        [plane * (e[0] + nu * e[1]), plane * (e[1] + nu * e[0]), 2.0 * self.shear() * e[2]]
     }
 
     /// First Piola–Kirchhoff stress and tension of the second, `s`.
     #[inline(always)]
     pub(super) fn first_piola<const L: usize>(d: &Deformation<L>, s: Plane<L>) -> Stress<L> {
-        let mut p = [[splat(0.0); 3]; 2];
-        let [f1, f2] = &d.f;
-        for axis in 0..3 {
-            for l in 0..L {
-                p[0][axis][l] = s[0][l] * f1[axis][l] + s[2][l] * f2[axis][l];
-                p[1][axis][l] = s[1][l] * f2[axis][l] + s[2][l] * f1[axis][l];
-            }
-        }
-        Stress { p, tension: [s[0], s[1]], cross: s[2] }
+        Stress::of_metric(d, [s[0], s[1]], s[2])
     }
 
     /// Bound on the tangent stiffness at deformation `d` under the second Piola–Kirchhoff stress `s`.
     #[inline(always)]
     pub(super) fn bound<const L: usize>(&self, d: &Deformation<L>, s: Plane<L>) -> Stiffness<L> {
-        let (c11, c22) = (dot(&d.f[0], &d.f[0]), dot(&d.f[1], &d.f[1]));
-        let nothing = splat(0.0);
-        let mut bound = Stiffness { alignment: splat(1.0), ..Stiffness::in_any_direction(nothing) };
-        for l in 0..L {
-            let square = [c11[l] + d.stretch_variance[0][l], c22[l] + d.stretch_variance[1][l]];
-            for fibre in 0..2 {
-                // (E₁ + νE₂)² mixes both directions; by 2ab ≤ a² + b² each takes the part of the other.
-                bound.along[fibre][l] = self.plane() * (1.0 + self.poisson.abs()) * square[fibre];
-                // Sizes: compression softens, but the bound has to hold for strains nearby, too.
-                bound.across[fibre][l] = s[fibre][l].abs() + s[2][l].abs();
-            }
-            bound.shear[l] = self.shear() * larger(square[0], square[1]);
+        let [c11, c22, _] = d.metric();
+        // (E₁ + νE₂)² mixes both directions; by 2ab ≤ a² + b² each takes the part of the other.
+        let along = self.plane() * (1.0 + self.poisson.abs());
+        Stiffness {
+            along: [along * c11, along * c22],
+            // Sizes: compression softens, but the bound has to hold for strains nearby, too.
+            across: [s[0].abs() + s[2].abs(), s[1].abs() + s[2].abs()],
+            shear: self.shear() * c11.max(c22),
+            alignment: splat(1.0),
+            any: splat(0.0),
         }
-        bound
     }
 }
 
@@ -114,11 +91,7 @@ impl MembraneLaw for Elastic {
     fn energy<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Energy<L> {
         let e = Elastic::strain(d);
         let s = self.response(&e);
-        let mut stored = splat(0.0);
-        for l in 0..L {
-            stored[l] = 0.5 * (s[0][l] * e[0][l] + s[1][l] * e[1][l]) + s[2][l] * e[2][l];
-        }
-        Energy { stored, absorbed: splat(0.0) }
+        Energy { stored: 0.5 * (s[0] * e[0] + s[1] * e[1]) + s[2] * e[2], absorbed: splat(0.0) }
     }
 
     #[inline(always)]

@@ -21,7 +21,7 @@ use super::{
     Absorption, Curve, Deformation, Energy, LayerBreaks, Measure, MembraneLaw, Stiffness, Stress, ViscousBase,
     WithoutCompression,
 };
-use crate::lane::{Lane, lanes, larger, smaller, splat};
+use crate::lane::{Lane, splat};
 
 /// Two fibre sets at 90° in the stress-free film, each with a curve or with curves by strain rate, and a shear curve,
 /// with energy absorption on unloading.
@@ -96,13 +96,13 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
         let fibres = Fibres::from_deformation(d);
         let [history_md, history_td] = &mut history.fibres;
-        let md = self.md.stress(&self.absorption, &fibres.strain(0), history_md, dt);
-        let td = self.td.stress(&self.absorption, &fibres.strain(1), history_td, dt);
-        let shear = self.absorption.stress(&self.shear, &fibres.shear(), &mut history.shear);
-        let mut tensions = fibres.tensions(&of_layers_left([md, td, shear], &history.left));
+        let md = self.md.stress(&self.absorption, fibres.strain(0), history_md, dt);
+        let td = self.td.stress(&self.absorption, fibres.strain(1), history_td, dt);
+        let shear = self.absorption.stress(&self.shear, fibres.shear(), &mut history.shear);
+        let mut tensions = fibres.tensions(of_layers_left([md, td, shear], &history.left));
         if let Some(law) = &self.biaxial {
-            let stress = law.stress(&self.absorption, &fibres.mean_strain(), &mut history.biaxial, dt);
-            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
+            let stress = law.stress(&self.absorption, fibres.mean_strain(), &mut history.biaxial, dt);
+            tensions.add_biaxial(&fibres, of_both_left(stress, &history.left));
         }
         tensions.stress(d)
     }
@@ -111,28 +111,20 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L> {
         let fibres = Fibres::from_deformation(d);
         let parts = [
-            self.md.energy(&self.absorption, &fibres.strain(0), &history.fibres[0]),
-            self.td.energy(&self.absorption, &fibres.strain(1), &history.fibres[1]),
-            self.absorption.energy(&self.shear, &fibres.shear(), &history.shear),
+            self.md.energy(&self.absorption, fibres.strain(0), &history.fibres[0]),
+            self.td.energy(&self.absorption, fibres.strain(1), &history.fibres[1]),
+            self.absorption.energy(&self.shear, fibres.shear(), history.shear),
         ];
         let [md, td, shear] = parts;
-        let stored = of_layers_left([md.0, td.0, shear.0], &history.left);
-        let absorbed = of_layers_left([md.1, td.1, shear.1], &history.left);
-        let mut total = Energy { stored: splat(0.0), absorbed: splat(0.0) };
-        for (stored, absorbed) in stored.iter().zip(&absorbed) {
-            for l in 0..L {
-                total.stored[l] += stored[l];
-                total.absorbed[l] += absorbed[l];
-            }
-        }
+        let sum = |[md, td, shear]: [Lane<L>; 3]| md + td + shear;
+        let stored = sum(of_layers_left([md.0, td.0, shear.0], &history.left));
+        let absorbed = sum(of_layers_left([md.1, td.1, shear.1], &history.left));
+        let mut total = Energy { stored, absorbed };
         if let Some(law) = &self.biaxial {
-            let (stored, absorbed) = law.energy(&self.absorption, &fibres.mean_strain(), &history.biaxial);
-            let (stored, absorbed) = (of_both_left(stored, &history.left), of_both_left(absorbed, &history.left));
-            for l in 0..L {
-                // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
-                total.stored[l] += 2.0 * stored[l];
-                total.absorbed[l] += 2.0 * absorbed[l];
-            }
+            let (stored, absorbed) = law.energy(&self.absorption, fibres.mean_strain(), &history.biaxial);
+            // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
+            total.stored += 2.0 * of_both_left(stored, &history.left);
+            total.absorbed += 2.0 * of_both_left(absorbed, &history.left);
         }
         total
     }
@@ -145,44 +137,34 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let angle = fibres.shear();
         let strains = [fibres.strain(0), fibres.strain(1), angle];
         let near = [
-            self.md.stress_near(&self.absorption, &strains[0], &history.fibres[0]),
-            self.td.stress_near(&self.absorption, &strains[1], &history.fibres[1]),
-            self.absorption.stress(&self.shear, &angle, &mut history.shear.clone()),
+            self.md.stress_near(&self.absorption, strains[0], &history.fibres[0]),
+            self.td.stress_near(&self.absorption, strains[1], &history.fibres[1]),
+            self.absorption.stress(&self.shear, angle, &mut { history.shear }),
         ];
-        let mut tensions = fibres.tensions(&of_layers_left(near, &history.left));
+        let mut tensions = fibres.tensions(of_layers_left(near, &history.left));
         let mut biaxial = splat(0.0);
         if let Some(law) = &self.biaxial {
             let mean = fibres.mean_strain();
-            let stress = law.stress_near(&self.absorption, &mean, &history.biaxial);
-            tensions.add_biaxial(&fibres, &of_both_left(stress, &history.left));
-            let slope = law.largest_slope(&self.absorption, &mean, &history.biaxial, REACH);
+            let stress = law.stress_near(&self.absorption, mean, &history.biaxial);
+            tensions.add_biaxial(&fibres, of_both_left(stress, &history.left));
+            let slope = law.largest_slope(&self.absorption, mean, &history.biaxial, REACH);
             biaxial = of_both_left(slope, &history.left);
         }
-        let [first, second] = &tensions.tension;
-        let across = [lanes(|l| first[l].abs()), lanes(|l| second[l].abs())];
+        let across = [tensions.tension[0].abs(), tensions.tension[1].abs()];
         let slopes = [
-            self.md.largest_slope(&self.absorption, &strains[0], &history.fibres[0], REACH),
-            self.td.largest_slope(&self.absorption, &strains[1], &history.fibres[1], REACH),
-            self.absorption.largest_slope(&self.shear, &angle, &history.shear, REACH),
+            self.md.largest_slope(&self.absorption, strains[0], &history.fibres[0], REACH),
+            self.td.largest_slope(&self.absorption, strains[1], &history.fibres[1], REACH),
+            self.absorption.largest_slope(&self.shear, angle, history.shear, REACH),
         ];
-        let [md, td, mut shear] = of_layers_left(slopes, &history.left);
-        // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean.
-        let mut along = [lanes(|l| md[l] + biaxial[l]), lanes(|l| td[l] + biaxial[l])];
-        let mut largest = angle;
-        for l in 0..L {
-            largest[l] = larger(angle[l], history.shear[l]);
-        }
-        let [_, _, stress] = of_layers_left([md, td, self.shear.stress_lanes(&largest)], &history.left);
-        for l in 0..L {
-            // `across` acts on every motion of the fibre, also on that along it: what is counted there is not counted
-            // twice.
-            along[0][l] = larger(along[0][l] - across[0][l], 0.0);
-            along[1][l] = larger(along[1][l] - across[1][l], 0.0);
-            let secant = fibres.secant[l];
-            // The curve's own slope, and what its stress adds as directions turn; the larger of loading and largest
-            // stress so far bounds unloading.
-            shear[l] = shear[l] * secant * secant + stress[l] * secant * (secant * secant + 3.0);
-        }
+        let [md, td, shear] = of_layers_left(slopes, &history.left);
+        // (a₁ + a₂)² ≤ 2 (a₁² + a₂²), and the slope by ε₁ + ε₂ is half of that by their mean. `across` acts on every motion
+        // of the fibre, also on that along it: what is counted there is not counted twice.
+        let along = [(md + biaxial - across[0]).max(0.0), (td + biaxial - across[1]).max(0.0)];
+        // The curve's own slope, and what its stress adds as directions turn; the larger of loading and largest stress so
+        // far bounds unloading.
+        let stress = of_both_left(self.shear.stress_lanes(angle.max(history.shear)), &history.left);
+        let secant = fibres.secant;
+        let shear = shear * secant * secant + stress * secant * (secant * secant + 3.0);
         Stiffness { along, across, shear, alignment: fibres.sine, any: splat(0.0) }
     }
 
@@ -214,7 +196,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
         let first = self.layer_breaks.first();
         let (md, td) = (self.md.break_strain(&history.fibres[0]), self.td.break_strain(&history.fibres[1]));
-        [lanes(|l| md[l] * first), lanes(|l| td[l] * first)]
+        [md * first, td * first]
     }
 
     fn share_left(&self, ratio: f64) -> f64 {
@@ -231,26 +213,20 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
 /// Values of one layer along MD, along TD and in shear as means over all layers: those in which one set of fibres is
 /// broken carry no shear.
 #[inline(always)]
-fn of_layers_left<const L: usize>([mut md, mut td, shear]: [Lane<L>; 3], left: &[Lane<L>; 2]) -> [Lane<L>; 3] {
-    for l in 0..L {
-        md[l] *= left[0][l];
-        td[l] *= left[1][l];
-    }
-    [md, td, of_both_left(shear, left)]
+fn of_layers_left<const L: usize>([md, td, shear]: [Lane<L>; 3], left: &[Lane<L>; 2]) -> [Lane<L>; 3] {
+    [md * left[0], td * left[1], of_both_left(shear, left)]
 }
 
 /// A value of one layer for the coupling of both directions as a mean over all layers.
 #[inline(always)]
-fn of_both_left<const L: usize>(mut value: Lane<L>, left: &[Lane<L>; 2]) -> Lane<L> {
-    for l in 0..L {
-        value[l] *= smaller(left[0][l], left[1][l]);
-    }
-    value
+fn of_both_left<const L: usize>(value: Lane<L>, left: &[Lane<L>; 2]) -> Lane<L> {
+    value * left[0].min(left[1])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
     use crate::material::{History, RateCurves};
 
     /// In pure tension the first Piola–Kirchhoff stress is the nominal stress of the curve.
@@ -260,12 +236,12 @@ mod tests {
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
-            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(|x| [x]));
+            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(one));
             assert!(
                 (film.stress(&f.into(), &mut History::virgin(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs()
                     < 1e-14
             );
-            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(|x| [x]));
+            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(one));
             assert!(
                 (film.stress(&f.into(), &mut History::virgin(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs()
                     < 1e-14
@@ -281,7 +257,7 @@ mod tests {
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let shear = Curve::new(vec![[1.0, 1e7]]).unwrap();
         let stress = |law: &dyn Fn(&Deformation<1>) -> Stress<1>, [first, second]: [f64; 2]| {
-            let f = [[1.0 + first, 0.0, 0.0], [0.0, 1.0 + second, 0.0]].map(|v| v.map(|x| [x]));
+            let f = [[1.0 + first, 0.0, 0.0], [0.0, 1.0 + second, 0.0]].map(|v| v.map(one));
             let p = law(&f.into()).p;
             [p[0][0][0], p[1][1][0]]
         };

@@ -15,7 +15,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &mut Self::History<L>,
         dt: f64,
     ) -> Lane<L>;
@@ -24,7 +24,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     fn stress_near<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &Self::History<L>,
     ) -> Lane<L>;
 
@@ -32,7 +32,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     fn energy<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &Self::History<L>,
     ) -> (Lane<L>, Lane<L>);
 
@@ -41,7 +41,7 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &Self::History<L>,
         reach: f64,
     ) -> Lane<L>;
@@ -67,7 +67,7 @@ impl FibreLaw for Curve {
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &mut Lane<L>,
         _dt: f64,
     ) -> Lane<L> {
@@ -75,29 +75,29 @@ impl FibreLaw for Curve {
     }
 
     #[inline(always)]
-    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: &Lane<L>, history: &Lane<L>) -> Lane<L> {
-        absorption.stress(self, strain, &mut history.clone())
+    fn stress_near<const L: usize>(&self, absorption: &Absorption, strain: Lane<L>, history: &Lane<L>) -> Lane<L> {
+        absorption.stress(self, strain, &mut { *history })
     }
 
     #[inline(always)]
     fn energy<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &Lane<L>,
     ) -> (Lane<L>, Lane<L>) {
-        absorption.energy(self, strain, history)
+        absorption.energy(self, strain, *history)
     }
 
     #[inline(always)]
     fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &Lane<L>,
         reach: f64,
     ) -> Lane<L> {
-        absorption.largest_slope(self, strain, history, reach)
+        absorption.largest_slope(self, strain, *history, reach)
     }
 
     fn mean(first: &Curve, second: &Curve, factor: f64) -> Curve {

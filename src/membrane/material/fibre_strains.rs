@@ -1,7 +1,7 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
 use super::{Deformation, Stress, Stresses};
-use crate::lane::{Lane, Lane3, dot, lanes, larger, smaller, splat};
+use crate::lane::Lane;
 
 /// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
@@ -33,7 +33,7 @@ const CENTRE: f64 = 0.656;
 
 /// [`ANGLE_OVER_SINE`] at a cosine, by Estrin's scheme, whose chain of dependent operations is shorter than Horner's.
 #[inline(always)]
-fn angle_over_sine(cosine: f64) -> f64 {
+fn angle_over_sine<const L: usize>(cosine: Lane<L>) -> Lane<L> {
     let t = cosine - CENTRE;
     let t2 = t * t;
     let t4 = t2 * t2;
@@ -60,89 +60,61 @@ pub(super) struct Fibres<const L: usize> {
 impl<const L: usize> Fibres<L> {
     #[inline(always)]
     pub(super) fn from_deformation(d: &Deformation<L>) -> Fibres<L> {
-        let [f1, f2] = &d.f;
-        let (mut square, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
-        for l in 0..L {
-            square[0][l] += d.stretch_variance[0][l];
-            square[1][l] += d.stretch_variance[1][l];
-        }
-        let mut out = Fibres {
-            stretch: [splat(0.0); 2],
-            inverse: [splat(0.0); 2],
-            sine: splat(0.0),
-            secant: splat(0.0),
-            angle: splat(0.0),
-        };
-        for l in 0..L {
-            out.stretch[0][l] = square[0][l].sqrt();
-            out.stretch[1][l] = square[1][l].sqrt();
-            let (m1, m2) = (larger(out.stretch[0][l], 1.0), larger(out.stretch[1][l], 1.0));
-            // One division for two inverses: divisions are what this loop costs.
-            let both = 1.0 / (m1 * m2);
-            out.inverse[0][l] = m2 * both;
-            out.inverse[1][l] = m1 * both;
-        }
-        for l in 0..L {
-            let sine = product[l] * out.inverse[0][l] * out.inverse[1][l];
-            let bounded = smaller(larger(sine, -SINE_BOUND), SINE_BOUND);
-            let cosine = (1.0 - bounded * bounded).sqrt();
-            out.sine[l] = sine;
-            out.secant[l] = 1.0 / cosine;
-            // Beyond the bound along the tangent (theory.md, equation 7), in the same expression: the second term is
-            // zero within it.
-            out.angle[l] = bounded * angle_over_sine(cosine) + (sine - bounded) * out.secant[l];
-        }
-        out
+        let [c11, c22, product] = d.metric();
+        let stretch = [c11.sqrt(), c22.sqrt()];
+        let [m1, m2] = [stretch[0].max(1.0), stretch[1].max(1.0)];
+        // One division for two inverses: divisions are what this function costs.
+        let both = 1.0 / (m1 * m2);
+        let inverse = [m2 * both, m1 * both];
+        let sine = product * inverse[0] * inverse[1];
+        let bounded = sine.max(-SINE_BOUND).min(SINE_BOUND);
+        let cosine = (1.0 - bounded * bounded).sqrt();
+        let secant = 1.0 / cosine;
+        // Beyond the bound along the tangent (theory.md, equation 7), in the same expression: the second term is zero
+        // within it.
+        let angle = bounded * angle_over_sine(cosine) + (sine - bounded) * secant;
+        Fibres { stretch, inverse, sine, secant, angle }
     }
 
     #[inline(always)]
     pub(super) fn strain(&self, fibre: usize) -> Lane<L> {
-        lanes(|l| self.stretch[fibre][l] - 1.0)
+        self.stretch[fibre] - 1.0
     }
 
     /// |γ|.
     #[inline(always)]
     pub(super) fn shear(&self) -> Lane<L> {
-        lanes(|l| self.angle[l].abs())
+        self.angle.abs()
     }
 
     /// Nominal stresses, of any law: ∂W/∂λ_I and ∂W/∂γ where W depends on λ₁², λ₂² and f₁·f₂ = m₁ m₂ sin γ.
     pub(super) fn stresses(&self, stress: &Stress<L>) -> Stresses<L> {
-        let mut out = Stresses { md: splat(0.0), td: splat(0.0), shear: splat(0.0) };
-        for l in 0..L {
-            let along = |fibre: usize| {
-                let stretch = self.stretch[fibre][l];
-                let sheared = if stretch > 1.0 { self.sine[l] / self.inverse[1 - fibre][l] } else { 0.0 };
-                stress.tension[fibre][l] * stretch + stress.cross[l] * sheared
-            };
-            (out.md[l], out.td[l]) = (along(0), along(1));
-            out.shear[l] = stress.cross[l] / (self.inverse[0][l] * self.inverse[1][l] * self.secant[l]);
-        }
-        out
+        let along = |fibre: usize| {
+            let stretch = self.stretch[fibre];
+            let sheared = stretch.above(1.0).select(self.sine / self.inverse[1 - fibre], 0.0);
+            stress.tension[fibre] * stretch + stress.cross * sheared
+        };
+        let shear = stress.cross / (self.inverse[0] * self.inverse[1] * self.secant);
+        Stresses { md: along(0), td: along(1), shear }
     }
 
     /// (ε₁ + ε₂)/2.
     #[inline(always)]
     pub(super) fn mean_strain(&self) -> Lane<L> {
-        lanes(|l| 0.5 * (self.stretch[0][l] + self.stretch[1][l]) - 1.0)
+        0.5 * (self.stretch[0] + self.stretch[1]) - 1.0
     }
 
     /// Tensions of fibres with the nominal stresses `md`, `td` and `shear`, Pa.
     #[inline(always)]
-    pub(super) fn tensions(&self, [md, td, shear]: &[Lane<L>; 3]) -> Tensions<L> {
-        let mut out = Tensions { tension: [splat(0.0); 2], cross: splat(0.0) };
-        for l in 0..L {
-            let [r1, r2] = [self.inverse[0][l], self.inverse[1][l]];
-            // Curves know |γ| alone; the sign of the angle is put back by its bit, without a branch.
-            let shear = shear[l].copysign(self.angle[l]) * self.secant[l];
-            out.cross[l] = shear * r1 * r2;
-            // The bracket [λ > 1] of equation 6.
-            let taut1 = if self.stretch[0][l] > 1.0 { r1 * r1 } else { 0.0 };
-            let taut2 = if self.stretch[1][l] > 1.0 { r2 * r2 } else { 0.0 };
-            out.tension[0][l] = md[l] * r1 - shear * self.sine[l] * taut1;
-            out.tension[1][l] = td[l] * r2 - shear * self.sine[l] * taut2;
-        }
-        out
+    pub(super) fn tensions(&self, [md, td, shear]: [Lane<L>; 3]) -> Tensions<L> {
+        let [r1, r2] = self.inverse;
+        // Curves know |γ| alone; the sign of the angle is put back by its bit, without a branch.
+        let shear = shear.copysign(self.angle) * self.secant;
+        // The bracket [λ > 1] of equation 6.
+        let taut1 = self.stretch[0].above(1.0).select(r1 * r1, 0.0);
+        let taut2 = self.stretch[1].above(1.0).select(r2 * r2, 0.0);
+        let tension = [md * r1 - shear * self.sine * taut1, td * r2 - shear * self.sine * taut2];
+        Tensions { tension, cross: shear * r1 * r2 }
     }
 }
 
@@ -157,44 +129,29 @@ pub(super) struct Tensions<const L: usize> {
 impl<const L: usize> Tensions<L> {
     /// Adds the nominal stress `stress` (Pa) along both fibres.
     #[inline(always)]
-    pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: &Lane<L>) {
-        for l in 0..L {
-            // By λ, not by m: σ_b pulls at slack fibres, too (theory.md, below equation 4b).
-            self.tension[0][l] += stress[l] / fibres.stretch[0][l];
-            self.tension[1][l] += stress[l] / fibres.stretch[1][l];
-        }
+    pub(super) fn add_biaxial(&mut self, fibres: &Fibres<L>, stress: Lane<L>) {
+        // By λ, not by m: σ_b pulls at slack fibres, too (theory.md, below equation 4b).
+        self.tension[0] += stress / fibres.stretch[0];
+        self.tension[1] += stress / fibres.stretch[1];
     }
 
     /// The stress at `d`.
     #[inline(always)]
     pub(super) fn stress(&self, d: &Deformation<L>) -> Stress<L> {
-        let Tensions { tension, cross } = *self;
-        let [f1, f2] = &d.f;
-        Stress { p: [combine(&tension[0], f1, &cross, f2), combine(&tension[1], f2, &cross, f1)], tension, cross }
+        Stress::of_metric(d, self.tension, self.cross)
     }
-}
-
-/// a·u + b·v in each lane.
-#[inline(always)]
-fn combine<const L: usize>(a: &Lane<L>, u: &Lane3<L>, b: &Lane<L>, v: &Lane3<L>) -> Lane3<L> {
-    let mut out = [splat(0.0); 3];
-    for axis in 0..3 {
-        for l in 0..L {
-            out[axis][l] = a[l] * u[axis][l] + b[l] * v[axis][l];
-        }
-    }
-    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
 
     #[test]
     fn the_angle_is_the_arcsine_continued_along_its_tangent() {
         for i in -99..=99 {
             let sine = f64::from(i) / 100.0;
-            let f = [[1.0, 0.0, 0.0], [sine, (1.0 - sine * sine).sqrt(), 0.0]].map(|v| v.map(|x| [x]));
+            let f = [[1.0, 0.0, 0.0], [sine, (1.0 - sine * sine).sqrt(), 0.0]].map(|v| v.map(one));
             let expected = if sine.abs() <= SINE_BOUND {
                 sine.asin()
             } else {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{larger, ln, smaller};
+use crate::lane::{Lane, ln};
 
 /// The interval between two rates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ impl LogInterval {
 
     /// The weight s of the upper rate: 0 below and 1 above the two rates.
     #[inline(always)]
-    pub(super) fn weight(&self, log_rate: f64) -> f64 {
-        smaller(larger((log_rate - self.log) * self.per_log, 0.0), 1.0)
+    pub(super) fn weight<const L: usize>(&self, log_rate: Lane<L>) -> Lane<L> {
+        ((log_rate - self.log) * self.per_log).max(0.0).min(1.0)
     }
 }

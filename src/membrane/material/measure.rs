@@ -1,7 +1,7 @@
 //! Measure of a law, as a Prony series on it needs it: the stress that relaxes, compression, compliance.
 
 use super::Deformation;
-use crate::lane::{Lane, dot, larger, splat};
+use crate::lane::{Lane, splat};
 
 /// The stress that relaxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,12 +49,8 @@ impl ViscousBase {
     #[inline(always)]
     pub(super) fn complementary<const L: usize>(&self, s: &[Lane<L>; 3]) -> Lane<L> {
         let [first, second, between, shear] = self.compliance;
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let normal = 0.5 * (first * s[0][l] * s[0][l] + second * s[1][l] * s[1][l]);
-            out[l] = normal + between * s[0][l] * s[1][l] + 0.5 * shear * s[2][l] * s[2][l];
-        }
-        out
+        let normal = 0.5 * (first * s[0] * s[0] + second * s[1] * s[1]);
+        normal + between * s[0] * s[1] + 0.5 * shear * s[2] * s[2]
     }
 }
 
@@ -71,38 +67,24 @@ pub(super) struct Measured<const L: usize> {
 impl Measure {
     #[inline(always)]
     pub(super) fn evaluate<const L: usize>(self, d: &Deformation<L>) -> Measured<L> {
-        let [f1, f2] = &d.f;
-        let (mut c, product) = ([dot(f1, f1), dot(f2, f2)], dot(f1, f2));
-        for fibre in 0..2 {
-            for l in 0..L {
-                c[fibre][l] += d.stretch_variance[fibre][l];
-            }
-        }
-        let unscaled = [splat(1.0); 3];
-        let mut out = Measured { strain: [c[0], c[1], product], scale: unscaled, inverse: unscaled };
+        let [c11, c22, c12] = d.metric();
         match self {
             Measure::SecondPiola => {
-                for fibre in 0..2 {
-                    for l in 0..L {
-                        out.strain[fibre][l] *= 0.5;
-                    }
-                }
+                let unscaled = [splat(1.0); 3];
+                Measured { strain: [0.5 * c11, 0.5 * c22, c12], scale: unscaled, inverse: unscaled }
             }
             Measure::Fibres => {
-                for l in 0..L {
-                    let (first, second) = (c[0][l].sqrt(), c[1][l].sqrt());
-                    let (m1, m2) = (larger(first, 1.0), larger(second, 1.0));
-                    // Computed in any case, so that lanes do not branch.
-                    let slack = [0.5 * (c[0][l] + 1.0), 0.5 * (c[1][l] + 1.0)];
-                    out.strain[0][l] = if first > 1.0 { first } else { slack[0] };
-                    out.strain[1][l] = if second > 1.0 { second } else { slack[1] };
-                    let (product, both) = (m1 * m2, 1.0 / (m1 * m2));
-                    (out.scale[0][l], out.scale[1][l], out.scale[2][l]) = (m1, m2, product);
-                    (out.inverse[0][l], out.inverse[1][l], out.inverse[2][l]) = (m2 * both, m1 * both, both);
-                }
+                let (first, second) = (c11.sqrt(), c22.sqrt());
+                let (m1, m2) = (first.max(1.0), second.max(1.0));
+                let strain = [
+                    first.above(1.0).select(first, 0.5 * (c11 + 1.0)),
+                    second.above(1.0).select(second, 0.5 * (c22 + 1.0)),
+                    c12,
+                ];
+                let (product, both) = (m1 * m2, 1.0 / (m1 * m2));
+                Measured { strain, scale: [m1, m2, product], inverse: [m2 * both, m1 * both, both] }
             }
         }
-        out
     }
 
     /// Strains of undeformed film.
@@ -118,12 +100,6 @@ impl<const L: usize> Measured<L> {
     /// S of a stress of the measure.
     #[inline(always)]
     pub(super) fn unmeasured(&self, stress: &[Lane<L>; 3]) -> [Lane<L>; 3] {
-        let mut out = *stress;
-        for k in 0..3 {
-            for l in 0..L {
-                out[k][l] *= self.inverse[k][l];
-            }
-        }
-        out
+        [stress[0] * self.inverse[0], stress[1] * self.inverse[1], stress[2] * self.inverse[2]]
     }
 }

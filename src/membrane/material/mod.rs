@@ -81,11 +81,8 @@ impl<const L: usize> Deformation<L> {
     pub(crate) fn metric(&self) -> [Lane<L>; 3] {
         let [f1, f2] = &self.f;
         let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
-        for fibre in 0..2 {
-            for l in 0..L {
-                c[fibre][l] += self.stretch_variance[fibre][l];
-            }
-        }
+        c[0] += self.stretch_variance[0];
+        c[1] += self.stretch_variance[1];
         c
     }
 }
@@ -98,6 +95,18 @@ pub struct Stress<const L: usize> {
     pub tension: [Lane<L>; 2],
     /// ∂W/∂(f₁·f₂), Pa of one layer.
     pub cross: Lane<L>,
+}
+
+impl<const L: usize> Stress<L> {
+    /// Stress at `d` of a law with these derivatives of its energy by the metric, Pa: 2 ∂W/∂|f_I|² and ∂W/∂(f₁·f₂).
+    #[inline(always)]
+    pub(crate) fn of_metric(d: &Deformation<L>, tension: [Lane<L>; 2], cross: Lane<L>) -> Stress<L> {
+        let [f1, f2] = &d.f;
+        let along = |s: Lane<L>, own: &Lane3<L>, other: &Lane3<L>| {
+            [s * own[0] + cross * other[0], s * own[1] + cross * other[1], s * own[2] + cross * other[2]]
+        };
+        Stress { p: [along(tension[0], f1, f2), along(tension[1], f2, f1)], tension, cross }
+    }
 }
 
 /// Energy density of a film, J/m³.
@@ -160,22 +169,19 @@ impl<const L: usize> Stiffness<L> {
     /// G_IJ = Σ_a ∂N_a/∂X_I ∂N_a/∂X_J (theory.md, equation 17).
     #[inline(always)]
     pub fn eigenvalue_bound(&self, g: &[[Lane<L>; 2]; 2]) -> Lane<L> {
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let (first, second) = (self.along[0][l] * g[0][0][l], self.along[1][l] * g[1][1][l]);
-            let apart = 0.5 * (first - second);
-            // Two rank-one stiffnesses at an angle: the larger eigenvalue of their Gram matrix instead of one of a 12 ×
-            // 12 matrix.
-            let both = first * second * self.alignment[l] * self.alignment[l];
-            let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
-            let tension = self.across[0][l] * g[0][0][l] + self.across[1][l] * g[1][1][l];
-            let sheared = self.shear[l] * (g[0][0][l] + g[1][1][l] + 2.0 * g[0][1][l].abs());
-            let (mean, half) = (0.5 * (g[0][0][l] + g[1][1][l]), 0.5 * (g[0][0][l] - g[1][1][l]));
-            let isotropic = self.any[l] * (mean + (half * half + g[0][1][l] * g[0][1][l]).sqrt());
-            // Eigenvalues of a sum are at most the sum of the eigenvalues.
-            out[l] = fibres + tension + sheared + isotropic;
-        }
-        out
+        let [[g11, g12], [_, g22]] = *g;
+        let (first, second) = (self.along[0] * g11, self.along[1] * g22);
+        let apart = 0.5 * (first - second);
+        // Two rank-one stiffnesses at an angle: the larger eigenvalue of their Gram matrix instead of one of a 12 × 12
+        // matrix.
+        let both = first * second * self.alignment * self.alignment;
+        let fibres = 0.5 * (first + second) + (apart * apart + both).sqrt();
+        let tension = self.across[0] * g11 + self.across[1] * g22;
+        let sheared = self.shear * (g11 + g22 + 2.0 * g12.abs());
+        let (mean, half) = (0.5 * (g11 + g22), 0.5 * (g11 - g22));
+        let isotropic = self.any * (mean + (half * half + g12 * g12).sqrt());
+        // Eigenvalues of a sum are at most the sum of the eigenvalues.
+        fibres + tension + sheared + isotropic
     }
 }
 

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, Measure, MembraneLaw, PeakStrains, Stiffness, Stress, ViscousBase};
-use crate::lane::{Lane, larger, splat};
+use crate::lane::{Lane, splat};
 
 /// An elastic film without stiffness against compression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,49 +35,37 @@ struct Principal<const L: usize> {
     direction: [Lane<L>; 2],
 }
 
-/// ⟨x⟩, as one instruction; zero for NaN, which the direction propagates.
+/// ⟨x⟩; zero for NaN, which the direction propagates.
 #[inline(always)]
-fn positive(x: f64) -> f64 {
-    larger(x, 0.0)
+fn positive<const L: usize>(x: Lane<L>) -> Lane<L> {
+    x.max(0.0)
 }
 
 impl TensionField {
     #[inline(always)]
     fn principal<const L: usize>(&self, e: &Plane<L>) -> Principal<L> {
         let Elastic { young, poisson } = self.0;
-        let plane = self.0.plane();
-        let mut p = Principal { strain: [splat(0.0); 2], stress: [splat(0.0); 2], direction: [splat(0.0); 2] };
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (e[0][l] + e[1][l]), 0.5 * (e[0][l] - e[1][l]));
-            let radius = (apart * apart + e[2][l] * e[2][l]).sqrt();
-            let (first, second) = (mean + radius, mean - radius);
-            // theory.md, equation 9b: this bracket is zero from where the film has contracted as a free strip does, and
-            // with it S₂.
-            let across = plane * positive(second + poisson * first);
-            p.strain[0][l] = first;
-            p.strain[1][l] = second;
-            p.stress[0][l] = young * positive(first) + poisson * across;
-            p.stress[1][l] = across;
-            // Equal strains have no direction: both components become zero, and the mean alone is left.
-            let inverse = 1.0 / larger(radius, POINT);
-            p.direction[0][l] = apart * inverse;
-            p.direction[1][l] = e[2][l] * inverse;
+        let (mean, apart) = (0.5 * (e[0] + e[1]), 0.5 * (e[0] - e[1]));
+        let radius = (apart * apart + e[2] * e[2]).sqrt();
+        let (first, second) = (mean + radius, mean - radius);
+        // theory.md, equation 9b: this bracket is zero from where the film has contracted as a free strip does, and with it
+        // S₂.
+        let across = self.0.plane() * positive(second + poisson * first);
+        // Equal strains have no direction: both components become zero, and the mean alone is left.
+        let inverse = 1.0 / radius.max(POINT);
+        Principal {
+            strain: [first, second],
+            stress: [young * positive(first) + poisson * across, across],
+            direction: [apart * inverse, e[2] * inverse],
         }
-        p
     }
 
     /// Second Piola–Kirchhoff stress S₁₁, S₂₂, S₁₂.
     #[inline(always)]
     fn response<const L: usize>(&self, d: &Deformation<L>) -> Plane<L> {
         let p = self.principal(&Elastic::strain(d));
-        let mut s = [splat(0.0); 3];
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (p.stress[0][l] + p.stress[1][l]), 0.5 * (p.stress[0][l] - p.stress[1][l]));
-            s[0][l] = mean + apart * p.direction[0][l];
-            s[1][l] = mean - apart * p.direction[0][l];
-            s[2][l] = apart * p.direction[1][l];
-        }
-        s
+        let (mean, apart) = (0.5 * (p.stress[0] + p.stress[1]), 0.5 * (p.stress[0] - p.stress[1]));
+        [mean + apart * p.direction[0], mean - apart * p.direction[0], apart * p.direction[1]]
     }
 }
 
@@ -94,12 +82,9 @@ impl MembraneLaw for TensionField {
     fn energy<const L: usize>(&self, d: &Deformation<L>, _history: &PeakStrains<L>) -> Energy<L> {
         let Elastic { young, poisson } = self.0;
         let p = self.principal(&Elastic::strain(d));
-        let mut stored = splat(0.0);
-        for l in 0..L {
-            let along = positive(p.strain[0][l]);
-            let across = positive(p.strain[1][l] + poisson * p.strain[0][l]);
-            stored[l] = 0.5 * (young * along * along + self.0.plane() * across * across);
-        }
+        let along = positive(p.strain[0]);
+        let across = positive(p.strain[1] + poisson * p.strain[0]);
+        let stored = 0.5 * (young * along * along + self.0.plane() * across * across);
         Energy { stored, absorbed: splat(0.0) }
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{Lane, exp, splat};
+use crate::lane::{Lane, splat};
 
 /// How film warms up by what it absorbs, and how it softens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,8 +39,8 @@ impl Thermal {
     /// Share of stress and stiffness that film has after it absorbed `heat` (J/m³): that of a material whose stress falls by
     /// the same share with each kelvin.
     #[inline(always)]
-    fn share(&self, heat: f64) -> f64 {
-        exp(-self.softening / self.capacity * heat)
+    fn share<const L: usize>(&self, heat: Lane<L>) -> Lane<L> {
+        (-self.softening / self.capacity * heat).exp()
     }
 }
 
@@ -68,23 +68,24 @@ impl<const L: usize> Heat<L> {
     /// absorbs at the mean share of both positions, and what is stored less because film softens, becomes heat (theory.md,
     /// equation 358). Film that is mounted, which takes no time, has the temperature of the room.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, stored: &Lane<L>, absorbed: &Lane<L>, dt: f64, thermal: &Thermal) {
-        for l in 0..L {
-            let (mean, fallen) = (0.5 * (self.share[l] + self.next[l]), self.share[l] - self.next[l]);
-            let grown = mean * (absorbed[l] - self.law_absorbed[l]) + 0.5 * (self.law_stored[l] + stored[l]) * fallen;
-            let [heat, mounted] = if dt > 0.0 { [grown, 0.0] } else { [0.0, grown] };
-            self.share[l] = self.next[l];
-            self.absorbed[l] += heat;
-            self.mounted[l] += mounted;
-            self.next[l] = thermal.share(self.absorbed[l]);
+    pub(crate) fn advance(&mut self, stored: Lane<L>, absorbed: Lane<L>, dt: f64, thermal: &Thermal) {
+        let (mean, fallen) = (0.5 * (self.share + self.next), self.share - self.next);
+        let grown = mean * (absorbed - self.law_absorbed) + 0.5 * (self.law_stored + stored) * fallen;
+        if dt > 0.0 {
+            self.absorbed += grown;
+        } else {
+            self.mounted += grown;
         }
-        (self.law_stored, self.law_absorbed) = (*stored, *absorbed);
+        self.share = self.next;
+        self.next = thermal.share(self.absorbed);
+        (self.law_stored, self.law_absorbed) = (stored, absorbed);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
 
     /// Equation 359 with D = 1: the heat is ln(1 + β W)/β.
     #[test]
@@ -95,7 +96,7 @@ mod tests {
         let mut heat = Heat::<1>::NONE;
         for i in 1..=steps {
             let absorbed = work * f64::from(i) / f64::from(steps);
-            heat.advance(&[0.0], &[absorbed], 1e-6, &thermal);
+            heat.advance(one(0.0), one(absorbed), 1e-6, &thermal);
         }
         let expected = (1.0 + beta * work).ln() / beta;
         assert!((heat.absorbed[0] / expected - 1.0).abs() < 2e-4, "{:?} for {expected}", heat.absorbed);
@@ -114,7 +115,7 @@ mod tests {
             let now = heat.next[0] * young * strain;
             work += 0.5 * (force + now) * 2.0 / f64::from(steps);
             force = now;
-            heat.advance(&[(1.0 - absorption) * energy], &[absorption * energy], 1e-6, &thermal);
+            heat.advance(one((1.0 - absorption) * energy), one(absorption * energy), 1e-6, &thermal);
         }
         let found = heat.share[0] * heat.law_stored[0] + heat.absorbed[0];
         assert!((found / work - 1.0).abs() < 1e-5, "{found} of {work}");
@@ -124,9 +125,9 @@ mod tests {
     fn mounting_warms_nothing() {
         let thermal = Thermal { capacity: 2.1e6, softening: 8e-3 };
         let mut heat = Heat::<1>::NONE;
-        heat.advance(&[1e6], &[5e6], 0.0, &thermal);
-        assert_eq!(heat, Heat { mounted: [5e6], law_stored: [1e6], law_absorbed: [5e6], ..Heat::NONE });
-        heat.advance(&[1e6], &[5e6], 1e-6, &thermal);
-        assert_eq!((heat.absorbed, heat.share), ([0.0], [1.0]));
+        heat.advance(one(1e6), one(5e6), 0.0, &thermal);
+        assert_eq!(heat, Heat { mounted: one(5e6), law_stored: one(1e6), law_absorbed: one(5e6), ..Heat::NONE });
+        heat.advance(one(1e6), one(5e6), 1e-6, &thermal);
+        assert_eq!((heat.absorbed, heat.share), (one(0.0), one(1.0)));
     }
 }

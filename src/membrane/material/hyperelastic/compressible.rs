@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::invariants::{self, Slopes};
 use super::{Squares, StrainEnergy, Tangent};
-use crate::lane::{Lane, exp, larger, ln, smaller, splat};
+use crate::lane::{Lane, splat};
 use crate::material::elastic::Plane;
 
 /// Moduli of small strain.
@@ -33,24 +33,16 @@ const STEPS: usize = 4;
 /// In y = ln x the left side is convex and grows. Its root lies below −kL/(1 + k), since e^y ≥ 1 + y, below 1/k − L,
 /// since e^y ≥ 0, and below ln max(1, 1 − kL), since y or L is negative: Halley's method starts at the least of these.
 #[inline(always)]
-fn thickness<const L: usize>(k: f64, log: &Lane<L>) -> [Lane<L>; 2] {
-    let (mut x, mut y) = (splat(0.0), splat(0.0));
-    for l in 0..L {
-        let compressed = ln(larger(1.0 - k * log[l], 1.0));
-        y[l] = smaller(compressed, smaller(1.0 / k - log[l], -k * log[l] / (1.0 + k)));
-    }
+fn thickness<const L: usize>(k: f64, log: Lane<L>) -> [Lane<L>; 2] {
+    let compressed = (1.0 - k * log).max(1.0).ln();
+    let mut y = compressed.min((1.0 / k - log).min(-k * log / (1.0 + k)));
     for _ in 0..STEPS {
-        for l in 0..L {
-            x[l] = exp(y[l]);
-            let value = x[l] - 1.0 + k * (y[l] + log[l]);
-            let slope = x[l] + k;
-            y[l] -= value * slope / (slope * slope - 0.5 * value * x[l]);
-        }
+        let x = y.exp();
+        let value = x - 1.0 + k * (y + log);
+        let slope = x + k;
+        y -= value * slope / (slope * slope - 0.5 * value * x);
     }
-    for l in 0..L {
-        x[l] = exp(y[l]);
-    }
-    [x, y]
+    [y.exp(), y]
 }
 
 impl CompressibleNeoHookean {
@@ -65,23 +57,15 @@ impl CompressibleNeoHookean {
     }
 
     #[inline(always)]
-    pub(super) fn squared_thickness<const L: usize>(&self, det: &Lane<L>) -> [Lane<L>; 2] {
-        let mut log = splat(0.0);
-        for l in 0..L {
-            log[l] = ln(det[l]);
-        }
-        thickness(self.ratio(), &log)
+    pub(super) fn squared_thickness<const L: usize>(&self, det: Lane<L>) -> [Lane<L>; 2] {
+        thickness(self.ratio(), det.ln())
     }
 
     #[inline(always)]
-    fn slopes<const L: usize>(&self, det: &Lane<L>) -> Slopes<L> {
+    fn slopes<const L: usize>(&self, det: Lane<L>) -> Slopes<L> {
         let half = 0.5 * self.shear();
         let [x, _] = self.squared_thickness(det);
-        let mut out = [splat(half), splat(0.0)];
-        for l in 0..L {
-            out[1][l] = -half * x[l] / det[l];
-        }
-        out
+        [splat(half), -half * x / det]
     }
 }
 
@@ -90,60 +74,44 @@ impl StrainEnergy for CompressibleNeoHookean {
     fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
         let [trace, det] = invariants::of_squares(c);
         let (mu, k) = (self.shear(), self.ratio());
-        let [x, y] = self.squared_thickness(&det);
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let volume = 0.5 * (ln(det[l]) + y[l]);
-            out[l] = mu * (0.5 * (trace[l] + x[l] - 3.0) + volume * (k * volume - 1.0));
-        }
-        out
+        let [x, y] = self.squared_thickness(det);
+        let volume = 0.5 * (det.ln() + y);
+        mu * (0.5 * (trace + x - 3.0) + volume * (k * volume - 1.0))
     }
 
     #[inline(always)]
     fn stress<const L: usize>(&self, c: &Squares<L>) -> [Lane<L>; 2] {
         let [_, det] = invariants::of_squares(c);
-        invariants::stress(c, &self.slopes(&det))
+        invariants::stress(c, &self.slopes(det))
     }
 
     #[inline(always)]
     fn plane_stress<const L: usize>(&self, c: &Plane<L>) -> Plane<L> {
         let [_, det] = invariants::of_metric(c);
-        invariants::plane_stress(c, &self.slopes(&det))
+        invariants::plane_stress(c, &self.slopes(det))
     }
 
     #[inline(always)]
     fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
         let [_, det] = invariants::of_squares(c);
         let (half, k) = (0.5 * self.shear(), self.ratio());
-        let [x, _] = self.squared_thickness(&det);
-        let (mut slopes, mut bent) = ([splat(half), splat(0.0)], splat(0.0));
-        for l in 0..L {
-            let ratio = half * x[l] / det[l];
-            slopes[1][l] = -ratio;
-            bent[l] = ratio / det[l] * (1.0 + k / (x[l] + k));
-        }
-        invariants::tangent(c, &slopes, &[splat(0.0), splat(0.0), bent])
+        let [x, _] = self.squared_thickness(det);
+        let ratio = half * x / det;
+        let bent = ratio / det * (1.0 + k / (x + k));
+        invariants::tangent(c, &[splat(half), -ratio], &[splat(0.0), splat(0.0), bent])
     }
 
     #[inline(always)]
     fn thickness<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
         let [_, det] = invariants::of_squares(c);
-        let [x, _] = self.squared_thickness(&det);
-        let mut out = splat(0.0);
-        for l in 0..L {
-            out[l] = x[l].sqrt();
-        }
-        out
+        let [x, _] = self.squared_thickness(det);
+        x.sqrt()
     }
 
     /// In uniaxial tension width and thickness are equal: x − 1 + 2k (ln x + ½ ln c₁) = 0.
     #[inline(always)]
-    fn natural_width<const L: usize>(&self, first: &Lane<L>) -> Lane<L> {
-        let mut log = splat(0.0);
-        for l in 0..L {
-            log[l] = 0.5 * ln(first[l]);
-        }
-        let [x, _] = thickness(2.0 * self.ratio(), &log);
+    fn natural_width<const L: usize>(&self, first: Lane<L>) -> Lane<L> {
+        let [x, _] = thickness(2.0 * self.ratio(), 0.5 * first.ln());
         x
     }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::invariants::{self, Slopes};
 use super::{NEAR, Squares, StrainEnergy, Tangent};
-use crate::lane::{Lane, ln, splat};
+use crate::lane::Lane;
 use crate::material::elastic::Plane;
 
 /// Coefficients of the energy.
@@ -27,21 +27,16 @@ pub struct Gent {
 impl Gent {
     /// A; NaN at the limit and beyond.
     #[inline(always)]
-    fn slope(&self, x: f64) -> f64 {
+    fn slope<const L: usize>(&self, x: Lane<L>) -> Lane<L> {
         let left = self.jm - x;
-        0.5 * self.mu * self.jm / if left > 0.0 { left } else { f64::NAN }
+        0.5 * self.mu * self.jm / left.above(0.0).select(left, f64::NAN)
     }
 
     #[inline(always)]
     fn slopes<const L: usize>(&self, [trace, det]: &[Lane<L>; 2]) -> Slopes<L> {
-        let mut out = [splat(0.0); 2];
-        for l in 0..L {
-            let inverse = 1.0 / det[l];
-            let a = self.slope(trace[l] + inverse - 3.0);
-            out[0][l] = a;
-            out[1][l] = -a * inverse * inverse;
-        }
-        out
+        let inverse = 1.0 / *det;
+        let a = self.slope(*trace + inverse - 3.0);
+        [a, -a * inverse * inverse]
     }
 }
 
@@ -49,13 +44,8 @@ impl StrainEnergy for Gent {
     #[inline(always)]
     fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
         let [trace, det] = invariants::of_squares(c);
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let left = 1.0 - (trace[l] + 1.0 / det[l] - 3.0) / self.jm;
-            let energy = -0.5 * self.mu * self.jm * ln(left);
-            out[l] = if left > 0.0 { energy } else { f64::NAN };
-        }
-        out
+        let left = 1.0 - (trace + 1.0 / det - 3.0) / self.jm;
+        left.above(0.0).select(-0.5 * self.mu * self.jm * left.ln(), f64::NAN)
     }
 
     #[inline(always)]
@@ -72,20 +62,13 @@ impl StrainEnergy for Gent {
     #[inline(always)]
     fn tangent<const L: usize>(&self, c: &Squares<L>) -> Tangent<L> {
         let [trace, det] = invariants::of_squares(c);
-        let (mut slopes, mut curvatures) = ([splat(0.0); 2], [splat(0.0); 3]);
-        for l in 0..L {
-            let inverse = 1.0 / det[l];
-            let square = inverse * inverse;
-            let growth = 2.0 * NEAR * ((c[0][l] - inverse).abs() + (c[1][l] - inverse).abs());
-            let a = self.slope(trace[l] + inverse - 3.0 + growth);
-            let bent = 2.0 * a * a / (self.mu * self.jm);
-            slopes[0][l] = a;
-            slopes[1][l] = -a * square;
-            curvatures[0][l] = bent;
-            curvatures[1][l] = -bent * square;
-            curvatures[2][l] = square * (bent * square + 2.0 * inverse * a);
-        }
-        invariants::tangent(c, &slopes, &curvatures)
+        let inverse = 1.0 / det;
+        let square = inverse * inverse;
+        let growth = 2.0 * NEAR * ((c[0] - inverse).abs() + (c[1] - inverse).abs());
+        let a = self.slope(trace + inverse - 3.0 + growth);
+        let bent = 2.0 * a * a / (self.mu * self.jm);
+        let curvatures = [bent, -bent * square, square * (bent * square + 2.0 * inverse * a)];
+        invariants::tangent(c, &[a, -a * square], &curvatures)
     }
 
     fn plane_modulus(&self) -> f64 {

@@ -62,22 +62,14 @@ pub trait StrainEnergy {
     /// Thickness over that of the undeformed film, λ₃; that of incompressible film unless the law has another.
     #[inline(always)]
     fn thickness<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
-        let mut out = splat(0.0);
-        for l in 0..L {
-            out[l] = 1.0 / (c[0][l] * c[1][l]).sqrt();
-        }
-        out
+        1.0 / (c[0] * c[1]).sqrt()
     }
 
     /// n(c₁), the square of the width in uniaxial tension; that of incompressible film, 1/√c₁, unless the law has
     /// another.
     #[inline(always)]
-    fn natural_width<const L: usize>(&self, first: &Lane<L>) -> Lane<L> {
-        let mut out = splat(0.0);
-        for l in 0..L {
-            out[l] = 1.0 / first[l].sqrt();
-        }
-        out
+    fn natural_width<const L: usize>(&self, first: Lane<L>) -> Lane<L> {
+        1.0 / first.sqrt()
     }
 
     /// Modulus of undeformed film in plane strain, Pa.
@@ -111,17 +103,13 @@ impl<const L: usize> Tangent<L> {
     /// Largest eigenvalue of ∂²W/∂F∂F (theory.md, equation 226).
     #[inline(always)]
     fn largest(&self, c: &Squares<L>) -> Lane<L> {
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let (first, second) = (self.along[0][l], self.along[1][l]);
-            let (mean, apart) = (0.5 * (first + second), 0.5 * (first - second));
-            let stretched = mean + (apart * apart + self.between[l] * self.between[l]).sqrt();
-            let sheared = self.stress[0][l] + ((c[0][l] * c[1][l]).sqrt() + c[1][l]) * self.shear[l];
-            // A NaN must propagate.
-            let larger = |a: f64, b: f64| if a <= b { b } else { a };
-            out[l] = larger(larger(larger(stretched, sheared), self.stress[0][l]), self.stress[1][l]);
-        }
-        out
+        let [first, second] = self.along;
+        let (mean, apart) = (0.5 * (first + second), 0.5 * (first - second));
+        let stretched = mean + (apart * apart + self.between * self.between).sqrt();
+        let sheared = self.stress[0] + ((c[0] * c[1]).sqrt() + c[1]) * self.shear;
+        // A NaN must propagate.
+        let larger = |a: Lane<L>, b: Lane<L>| a.at_most(b).select(b, a);
+        larger(larger(larger(stretched, sheared), self.stress[0]), self.stress[1])
     }
 }
 
@@ -191,9 +179,7 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
         let s = if self.wrinkling {
             let relaxed = Principal::from_cauchy_green(&c).relaxed(&self.energy);
             let mut stress = self.energy.stress(&relaxed.squares);
-            for l in 0..L {
-                stress[1][l] = if relaxed.taut[l] { stress[1][l] } else { 0.0 };
-            }
+            stress[1] = relaxed.taut.select(stress[1], 0.0);
             relaxed.turned(stress)
         } else {
             self.energy.plane_stress(&c)

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{NEAR, Squares, StrainEnergy, Tangent};
-use crate::lane::{Lane, exp, ln, splat};
+use crate::lane::{Lane, splat};
 
 /// Most terms of the energy.
 pub const TERMS: usize = 6;
@@ -37,27 +37,13 @@ type Powers<const L: usize> = [Lane<L>; 3];
 /// ln λ₁ and ln λ₂.
 #[inline(always)]
 fn logarithms<const L: usize>(c: &Squares<L>) -> [Lane<L>; 2] {
-    let mut out = [splat(0.0); 2];
-    for i in 0..2 {
-        for l in 0..L {
-            out[i][l] = 0.5 * ln(c[i][l]);
-        }
-    }
-    out
+    [0.5 * c[0].ln(), 0.5 * c[1].ln()]
 }
 
 #[inline(always)]
 fn powers<const L: usize>(alpha: f64, log: &[Lane<L>; 2]) -> Powers<L> {
-    let mut out = [splat(0.0); 3];
-    for i in 0..2 {
-        for l in 0..L {
-            out[i][l] = exp(alpha * log[i][l]);
-        }
-    }
-    for l in 0..L {
-        out[2][l] = 1.0 / (out[0][l] * out[1][l]);
-    }
-    out
+    let (first, second) = ((alpha * log[0]).exp(), (alpha * log[1]).exp());
+    [first, second, 1.0 / (first * second)]
 }
 
 impl Ogden {
@@ -96,10 +82,7 @@ impl StrainEnergy for Ogden {
         let mut out = splat(0.0);
         for term in self.terms() {
             let [first, second, third] = powers(term.alpha, &log);
-            let weight = term.mu / term.alpha;
-            for l in 0..L {
-                out[l] += weight * (first[l] + second[l] + third[l] - 3.0);
-            }
+            out += term.mu / term.alpha * (first + second + third - 3.0);
         }
         out
     }
@@ -107,20 +90,13 @@ impl StrainEnergy for Ogden {
     #[inline(always)]
     fn stress<const L: usize>(&self, c: &Squares<L>) -> [Lane<L>; 2] {
         let log = logarithms(c);
-        let mut out = [splat(0.0); 2];
+        let mut sum = [splat(0.0); 2];
         for term in self.terms() {
             let [first, second, third] = powers(term.alpha, &log);
-            for l in 0..L {
-                out[0][l] += term.mu * (first[l] - third[l]);
-                out[1][l] += term.mu * (second[l] - third[l]);
-            }
+            sum[0] += term.mu * (first - third);
+            sum[1] += term.mu * (second - third);
         }
-        for i in 0..2 {
-            for l in 0..L {
-                out[i][l] /= c[i][l];
-            }
-        }
-        out
+        [sum[0] / c[0], sum[1] / c[1]]
     }
 
     /// `shear` by the mean value theorem: with λ₃ fixed, S is a function of c_i alone, whose derivative
@@ -134,20 +110,16 @@ impl StrainEnergy for Ogden {
             let powers = powers(*alpha, &log);
             // Change of the powers by strains within `NEAR`.
             let mu = mu * (1.0 + 2.0 * NEAR * alpha.abs());
-            for l in 0..L {
-                let [third, product] = [powers[2][l], c[0][l] * c[1][l]];
-                for i in 0..2 {
-                    let inverse = 1.0 / c[i][l];
-                    out.stress[i][l] += mu * (powers[i][l] - third) * inverse;
-                    out.along[i][l] += mu * ((alpha - 1.0) * powers[i][l] + (alpha + 1.0) * third) * inverse;
-                }
-                out.between[l] += mu * alpha * third / product.sqrt();
-                let bent = |i: usize| (0.5 * alpha - 1.0) * mu * powers[i][l] / (c[i][l] * c[i][l]);
-                let (first, second) = (bent(0), bent(1));
-                let steepest = if first > second { first } else { second };
-                let across = mu * third / (if mu > 0.0 { c[1][l] * c[1][l] } else { c[0][l] * c[0][l] });
-                out.shear[l] += steepest + across;
+            let third = powers[2];
+            for i in 0..2 {
+                let inverse = 1.0 / c[i];
+                out.stress[i] += mu * (powers[i] - third) * inverse;
+                out.along[i] += mu * ((alpha - 1.0) * powers[i] + (alpha + 1.0) * third) * inverse;
             }
+            out.between += mu * alpha * third / (c[0] * c[1]).sqrt();
+            let bent = |i: usize| (0.5 * alpha - 1.0) * mu * powers[i] / (c[i] * c[i]);
+            let across = mu * third / if mu > 0.0 { c[1] * c[1] } else { c[0] * c[0] };
+            out.shear += bent(0).max(bent(1)) + across;
         }
         out
     }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::invariants::{self, Slopes};
 use super::{Squares, StrainEnergy, Tangent};
-use crate::lane::{Lane, splat};
+use crate::lane::Lane;
 use crate::material::elastic::Plane;
 
 /// Coefficients of the polynomial.
@@ -42,16 +42,11 @@ impl Polynomial {
     #[inline(always)]
     fn slopes<const L: usize>(&self, [trace, det]: &[Lane<L>; 2]) -> Slopes<L> {
         let [c10, c20, c30] = self.first;
-        let mut out = [splat(0.0); 2];
-        for l in 0..L {
-            let inverse = 1.0 / det[l];
-            let x = trace[l] + inverse - 3.0;
-            let a = c10 + x * (2.0 * c20 + x * (3.0 * c30));
-            let square = inverse * inverse;
-            out[0][l] = a + self.second * inverse;
-            out[1][l] = self.second * (1.0 - trace[l] * square) - a * square;
-        }
-        out
+        let inverse = 1.0 / *det;
+        let x = *trace + inverse - 3.0;
+        let a = c10 + x * (2.0 * c20 + x * (3.0 * c30));
+        let square = inverse * inverse;
+        [a + self.second * inverse, self.second * (1.0 - *trace * square) - a * square]
     }
 }
 
@@ -60,13 +55,9 @@ impl StrainEnergy for Polynomial {
     fn energy<const L: usize>(&self, c: &Squares<L>) -> Lane<L> {
         let [trace, det] = invariants::of_squares(c);
         let [c10, c20, c30] = self.first;
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let x = trace[l] + 1.0 / det[l] - 3.0;
-            let y = det[l] + trace[l] / det[l] - 3.0;
-            out[l] = x * (c10 + x * (c20 + x * c30)) + self.second * y;
-        }
-        out
+        let x = trace + 1.0 / det - 3.0;
+        let y = det + trace / det - 3.0;
+        x * (c10 + x * (c20 + x * c30)) + self.second * y
     }
 
     #[inline(always)]
@@ -84,18 +75,13 @@ impl StrainEnergy for Polynomial {
         let invariants = invariants::of_squares(c);
         let [_, c20, c30] = self.first;
         let slopes = self.slopes(&invariants);
-        let mut curvatures = [splat(0.0); 3];
         let [trace, det] = invariants;
-        for l in 0..L {
-            let inverse = 1.0 / det[l];
-            let (square, x) = (inverse * inverse, trace[l] + inverse - 3.0);
-            let a = slopes[0][l] - self.second * inverse;
-            let bent = 2.0 * c20 + 6.0 * c30 * x;
-            curvatures[0][l] = bent;
-            curvatures[1][l] = -(bent + self.second) * square;
-            curvatures[2][l] = square * (bent * square + 2.0 * inverse * (a + self.second * trace[l]));
-        }
-        invariants::tangent(c, &slopes, &curvatures)
+        let inverse = 1.0 / det;
+        let (square, x) = (inverse * inverse, trace + inverse - 3.0);
+        let a = slopes[0] - self.second * inverse;
+        let bent = 2.0 * c20 + 6.0 * c30 * x;
+        let by_det = square * (bent * square + 2.0 * inverse * (a + self.second * trace));
+        invariants::tangent(c, &slopes, &[bent, -(bent + self.second) * square, by_det])
     }
 
     fn plane_modulus(&self) -> f64 {

@@ -1,7 +1,7 @@
 //! Principal stretches of a film and their directions.
 
 use super::{Squares, StrainEnergy};
-use crate::lane::{Lane, larger, splat};
+use crate::lane::{Lane, Mask, splat};
 use crate::material::elastic::Plane;
 
 /// Radius of Mohr's circle below which the stretch has no direction: far below round-off.
@@ -14,54 +14,39 @@ pub(super) struct Principal<const L: usize> {
     /// cos 2θ and sin 2θ of the first direction; zero where all directions are principal.
     direction: [Lane<L>; 2],
     /// Whether film at these stretches has no wrinkles.
-    pub(super) taut: [bool; L],
+    pub(super) taut: Mask<L>,
 }
 
 impl<const L: usize> Principal<L> {
     /// Principal stretches of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
     pub(super) fn from_cauchy_green(c: &Plane<L>) -> Principal<L> {
-        let mut out = Principal { squares: [splat(0.0); 2], direction: [splat(0.0); 2], taut: [true; L] };
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (c[0][l] + c[1][l]), 0.5 * (c[0][l] - c[1][l]));
-            let radius = (apart * apart + c[2][l] * c[2][l]).sqrt();
-            let first = mean + radius;
-            out.squares[0][l] = first;
-            // The difference would lose what is small against c₁.
-            out.squares[1][l] = (c[0][l] * c[1][l] - c[2][l] * c[2][l]) / first;
-            let inverse = 1.0 / larger(radius, POINT);
-            out.direction[0][l] = apart * inverse;
-            out.direction[1][l] = c[2][l] * inverse;
-        }
-        out
+        let (mean, apart) = (0.5 * (c[0] + c[1]), 0.5 * (c[0] - c[1]));
+        let radius = (apart * apart + c[2] * c[2]).sqrt();
+        let first = mean + radius;
+        // The difference mean − radius would lose what is small against c₁.
+        let second = (c[0] * c[1] - c[2] * c[2]) / first;
+        let inverse = 1.0 / radius.max(POINT);
+        let direction = [apart * inverse, c[2] * inverse];
+        Principal { squares: [first, second], direction, taut: Mask::ALL }
     }
 
     /// The stretches of taut film with the same energy as film that wrinkles at these, c₁* and c₂*.
     #[inline(always)]
     pub(super) fn relaxed(mut self, energy: &impl StrainEnergy) -> Principal<L> {
-        for l in 0..L {
-            // A NaN must propagate.
-            let first = self.squares[0][l];
-            self.squares[0][l] = if first < 1.0 { 1.0 } else { first };
-        }
-        let natural = energy.natural_width(&self.squares[0]);
-        for l in 0..L {
-            self.taut[l] = self.squares[1][l] > natural[l];
-            self.squares[1][l] = if self.taut[l] { self.squares[1][l] } else { natural[l] };
-        }
+        let [first, second] = &mut self.squares;
+        // A NaN must propagate.
+        *first = splat(1.0).max(*first);
+        let natural = energy.natural_width(*first);
+        self.taut = second.above(natural);
+        *second = self.taut.select(*second, natural);
         self
     }
 
     /// Components 11, 22 and 12 of a tensor with the principal values `s` in these directions.
     #[inline(always)]
     pub(super) fn turned(&self, s: [Lane<L>; 2]) -> Plane<L> {
-        let mut out = [splat(0.0); 3];
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (s[0][l] + s[1][l]), 0.5 * (s[0][l] - s[1][l]));
-            out[0][l] = mean + apart * self.direction[0][l];
-            out[1][l] = mean - apart * self.direction[0][l];
-            out[2][l] = apart * self.direction[1][l];
-        }
-        out
+        let (mean, apart) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
+        [mean + apart * self.direction[0], mean - apart * self.direction[0], apart * self.direction[1]]
     }
 }

@@ -21,7 +21,7 @@ impl Tension {
     pub(super) fn squares(self, energy: &impl StrainEnergy, stretch: f64) -> [f64; 2] {
         let square = stretch * stretch;
         match self {
-            Tension::Uniaxial => [square, energy.natural_width(&one(square))[0]],
+            Tension::Uniaxial => [square, energy.natural_width(one(square))[0]],
             Tension::Equibiaxial => [square; 2],
             Tension::Plane => [square, 1.0],
         }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::lane::one;
 use crate::material::tests::{check_bound, check_derivative, check_work, random, turned};
 use crate::material::{Gradient, History};
 
@@ -198,7 +199,7 @@ fn stresses_of_compressible_film_are_their_closed_form() {
         let mu = young / (2.0 * (1.0 + poisson));
         let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         for stretch in [1.0 + 1e-4, 1.3, 2.5, 6.0_f64] {
-            let narrow = energy.natural_width(&[stretch * stretch])[0].sqrt();
+            let narrow = energy.natural_width(one(stretch * stretch))[0].sqrt();
             for at in [[stretch, narrow], [stretch; 2], [stretch, 1.0]] {
                 let law = Hyperelastic { energy: energy.clone(), wrinkling: false };
                 let f = [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(|f| f.map(splat));
@@ -227,7 +228,7 @@ fn the_thickness_is_solved_to_round_off() {
         let k = energy.ratio();
         for step in -90..=90 {
             let det = 10.0_f64.powf(0.1 * f64::from(step));
-            let [x, y] = energy.squared_thickness(&[det]);
+            let [x, y] = energy.squared_thickness(one(det));
             let residual = x[0] - 1.0 + k * (y[0] + det.ln());
             let terms = x[0] + 1.0 + k * (y[0].abs() + det.ln().abs());
             assert!(residual.abs() < 2e-15 * terms, "ν {poisson}, D {det}: {residual} of {terms}");

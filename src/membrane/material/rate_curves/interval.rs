@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::Curve;
 use super::super::log_interval::LogInterval;
-use crate::lane::{Lane, larger, smaller, splat};
+use crate::lane::{Lane, splat};
 
 /// The interval from the curve of one rate to that of the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,32 +39,25 @@ impl RateInterval {
 
     /// The weight s of the upper curve: 0 below and 1 above the two rates.
     #[inline(always)]
-    pub(super) fn weight(&self, log_rate: f64) -> f64 {
+    pub(super) fn weight<const L: usize>(&self, log_rate: Lane<L>) -> Lane<L> {
         self.log.weight(log_rate)
     }
 
     /// Bound on |∂σ/∂r · ∂r/∂ε| (Pa) for a strain that grows from `from` to `to` (theory.md, equation 142).
     #[inline(always)]
-    pub(super) fn hardening<const L: usize>(&self, from: &Lane<L>, to: &Lane<L>, averaging_strain: f64) -> Lane<L> {
+    pub(super) fn hardening<const L: usize>(&self, from: Lane<L>, to: Lane<L>, averaging_strain: f64) -> Lane<L> {
         let mut largest = splat::<L>(0.0);
         for piece in self.difference.windows(2) {
             let [[start, first], [end, last]] = [piece[0], piece[1]];
             let slope = (last - first) / (end - start);
-            for l in 0..L {
-                let (a, b) = (larger(from[l], start), smaller(to[l], end));
-                let at = |strain: f64| (first + slope * (strain - start)).abs();
-                let inside = larger(at(a), at(b));
-                largest[l] = if a <= b { larger(inside, largest[l]) } else { largest[l] };
-            }
+            let (a, b) = (from.max(start), to.min(end));
+            let size = |strain: Lane<L>| (first + slope * (strain - start)).abs();
+            largest = a.at_most(b).select(size(a).max(size(b)).max(largest), largest);
         }
-        let mut bound = splat(0.0);
-        for l in 0..L {
-            // Up to ℓ the averaging length is the strain itself, λ = min(ε_m, ℓ), so the bound is a secant there.
-            let early = if from[l] < averaging_strain { self.secant } else { 0.0 };
-            let hardening = self.log.per_log() * larger(early, largest[l] / averaging_strain);
-            bound[l] = if to[l] >= from[l] { hardening } else { 0.0 };
-        }
-        bound
+        // Up to ℓ the averaging length is the strain itself, λ = min(ε_m, ℓ), so the bound is a secant there.
+        let early = from.below(averaging_strain).select(self.secant, 0.0);
+        let hardening = self.log.per_log() * early.max(largest / averaging_strain);
+        to.at_least(from).select(hardening, 0.0)
     }
 }
 

@@ -2,20 +2,18 @@
 
 use super::super::fibre::FibreLaw;
 use super::super::{Absorption, Curve};
-use super::{RateCurves, RateHistory};
-use crate::lane::{Lane, lanes, larger, smaller, splat};
+use super::{RateCurves, RateHistory, RateInterval};
+use crate::lane::{Lane, splat};
 
 impl RateCurves {
     /// Change of the energy at one strain from the curve of one rate to that of another, J/m³.
     #[inline(always)]
-    fn energy_change<const L: usize>(&self, before: &Lane<L>, after: &Lane<L>, strain: &Lane<L>) -> Lane<L> {
+    fn energy_change<const L: usize>(&self, before: Lane<L>, after: Lane<L>, strain: Lane<L>) -> Lane<L> {
         let mut below = self.slowest.read(strain).energy;
         let mut change = splat(0.0);
         for interval in &self.intervals {
             let above = interval.curve.read(strain).energy;
-            for l in 0..L {
-                change[l] += (interval.weight(after[l]) - interval.weight(before[l])) * (above[l] - below[l]);
-            }
+            change += (interval.weight(after) - interval.weight(before)) * (above - below);
             below = above;
         }
         change
@@ -23,59 +21,48 @@ impl RateCurves {
 
     /// Updates the history for a strain that grows to `strain` in `dt` (s).
     #[inline(always)]
-    fn update<const L: usize>(&self, strain: &Lane<L>, history: &mut RateHistory<L>, dt: f64) {
+    fn update<const L: usize>(&self, strain: Lane<L>, history: &mut RateHistory<L>, dt: f64) {
         // Below the largest strain nothing changes.
-        if (0..L).all(|l| strain[l] <= history.peak[l]) {
+        if strain.at_most(history.peak).all() {
             return;
         }
         let old = *history;
-        let mut first = splat::<L>(0.0);
-        for l in 0..L {
-            let growth = strain[l] - old.peak[l];
-            // Mounting takes no time and counts as the lowest rate.
-            let time = if dt > 0.0 { dt } else { growth * self.slowness[1] };
-            let length = smaller(old.peak[l], self.averaging_strain);
-            let slowness = (length * old.slowness[l] + time) / (length + growth);
-            history.slowness[l] = if growth > 0.0 { slowness } else { old.slowness[l] };
-            history.peak[l] = larger(strain[l], old.peak[l]);
-            first[l] = if length > 0.0 { old.slowness[l] } else { history.slowness[l] };
-        }
-        let (before, after) = (self.log_rate(&first), self.log_rate(&history.slowness));
-        let [change_first, change_last] =
-            [self.energy_change(&before, &after, &old.peak), self.energy_change(&before, &after, &history.peak)];
-        for l in 0..L {
-            history.surplus[l] -= 0.5 * (change_first[l] + change_last[l]);
-        }
+        let growth = strain - old.peak;
+        // Mounting takes no time and counts as the lowest rate.
+        let time = if dt > 0.0 { splat(dt) } else { growth * self.slowness[1] };
+        let length = old.peak.min(self.averaging_strain);
+        let slowness = (length * old.slowness + time) / (length + growth);
+        history.slowness = growth.above(0.0).select(slowness, old.slowness);
+        history.peak = strain.max(old.peak);
+        let first = length.above(0.0).select(old.slowness, history.slowness);
+        let (before, after) = (self.log_rate(first), self.log_rate(history.slowness));
+        let change = |strain: Lane<L>| self.energy_change(before, after, strain);
+        history.surplus -= 0.5 * (change(old.peak) + change(history.peak));
     }
 
     /// Energy of the present curve up to the largest strain, W(ε_m, r), J/m³.
     #[inline(always)]
-    pub(super) fn peak_energy<const L: usize>(&self, log_rate: &Lane<L>, history: &RateHistory<L>) -> Lane<L> {
-        self.mix(log_rate, |curve| curve.read(&history.peak).energy)
+    pub(super) fn peak_energy<const L: usize>(&self, log_rate: Lane<L>, history: &RateHistory<L>) -> Lane<L> {
+        self.mix(log_rate, |curve| curve.read(history.peak).energy)
     }
 
     /// Strain on the present curve that has the stress of fibres at `strain`: ε_m − β(ε_m − ε).
     #[inline(always)]
     fn curve_strain<const L: usize>(
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &RateHistory<L>,
-        peak_energy: &Lane<L>,
+        peak_energy: Lane<L>,
     ) -> Lane<L> {
-        let steepening = RateCurves::steepening(absorption, history, peak_energy);
-        lanes(|l| history.peak[l] - (history.peak[l] - strain[l]) * steepening[l])
+        history.peak - (history.peak - strain) * RateCurves::steepening(absorption, history, peak_energy)
     }
 
     /// β: slope on unloading over that of the present curve.
     #[inline(always)]
-    fn steepening<const L: usize>(absorption: &Absorption, history: &RateHistory<L>, peak_energy: &Lane<L>) -> Lane<L> {
-        let mut steepening = splat(0.0);
-        for l in 0..L {
-            // w = W + surplus is the work that was put in. Where the rate has grown since, it is less than the present
-            // curve has, and the fibre unloads steeper to return no more (theory.md, equation 144).
-            steepening[l] = larger(peak_energy[l] / (peak_energy[l] + history.surplus[l]), absorption.steepening());
-        }
-        steepening
+    fn steepening<const L: usize>(absorption: &Absorption, history: &RateHistory<L>, peak_energy: Lane<L>) -> Lane<L> {
+        // w = W + surplus is the work that was put in. Where the rate has grown since, it is less than the present curve
+        // has, and the fibre unloads steeper to return no more (theory.md, equation 144).
+        (peak_energy / (peak_energy + history.surplus)).max(absorption.steepening())
     }
 
     /// Stress (Pa) at `strain`, which is not above the largest so far.
@@ -83,12 +70,12 @@ impl RateCurves {
     fn stress_below<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &RateHistory<L>,
     ) -> Lane<L> {
-        let log_rate = self.log_rate(&history.slowness);
-        let curve_strain = RateCurves::curve_strain(absorption, strain, history, &self.peak_energy(&log_rate, history));
-        self.mix(&log_rate, |curve| curve.stress_lanes(&curve_strain))
+        let log_rate = self.log_rate(history.slowness);
+        let curve_strain = RateCurves::curve_strain(absorption, strain, history, self.peak_energy(log_rate, history));
+        self.mix(log_rate, |curve| curve.stress_lanes(curve_strain))
     }
 }
 
@@ -99,7 +86,7 @@ impl FibreLaw for RateCurves {
     fn stress<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &mut RateHistory<L>,
         dt: f64,
     ) -> Lane<L> {
@@ -111,13 +98,10 @@ impl FibreLaw for RateCurves {
     fn stress_near<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &RateHistory<L>,
     ) -> Lane<L> {
-        let mut raised = *history;
-        for l in 0..L {
-            raised.peak[l] = larger(strain[l], history.peak[l]);
-        }
+        let raised = RateHistory { peak: strain.max(history.peak), ..*history };
         self.stress_below(absorption, strain, &raised)
     }
 
@@ -125,73 +109,48 @@ impl FibreLaw for RateCurves {
     fn energy<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &RateHistory<L>,
     ) -> (Lane<L>, Lane<L>) {
-        let log_rate = self.log_rate(&history.slowness);
-        let peak_energy = self.peak_energy(&log_rate, history);
-        let curve_strain = RateCurves::curve_strain(absorption, strain, history, &peak_energy);
-        let mut stored = self.mix(&log_rate, |curve| curve.read(&curve_strain).energy);
-        let mut absorbed = splat(0.0);
-        for l in 0..L {
-            let returned = smaller((peak_energy[l] + history.surplus[l]) / peak_energy[l], 1.0 - absorption.share());
-            stored[l] *= returned;
-            absorbed[l] = history.surplus[l] + (1.0 - returned) * peak_energy[l];
-        }
-        (stored, absorbed)
+        let log_rate = self.log_rate(history.slowness);
+        let peak_energy = self.peak_energy(log_rate, history);
+        let curve_strain = RateCurves::curve_strain(absorption, strain, history, peak_energy);
+        let below = self.mix(log_rate, |curve| curve.read(curve_strain).energy);
+        let returned = ((peak_energy + history.surplus) / peak_energy).min(1.0 - absorption.share());
+        (below * returned, history.surplus + (1.0 - returned) * peak_energy)
     }
 
     #[inline(always)]
     fn largest_slope<const L: usize>(
         &self,
         absorption: &Absorption,
-        strain: &Lane<L>,
+        strain: Lane<L>,
         history: &RateHistory<L>,
         reach: f64,
     ) -> Lane<L> {
-        let log_rate = self.log_rate(&history.slowness);
         // The rate grows by at most the factor e within λ, and from zero to any rate.
-        let mut fastest = splat::<L>(0.0);
-        for l in 0..L {
-            fastest[l] = log_rate[l] + reach / smaller(history.peak[l], self.averaging_strain);
-        }
-        let mut steepening = splat::<L>(absorption.steepening());
+        let fastest = self.log_rate(history.slowness) + reach / history.peak.min(self.averaging_strain);
+        let reachable = |interval: &RateInterval| fastest.above(interval.log.log());
+        let mut steepening = splat(absorption.steepening());
         for interval in &self.intervals {
-            for l in 0..L {
-                steepening[l] = if interval.log.log() < fastest[l] {
-                    larger(interval.stress_ratio, steepening[l])
-                } else {
-                    steepening[l]
-                };
-            }
+            steepening = reachable(interval).select(steepening.max(interval.stress_ratio), steepening);
         }
-        let (mut from, mut to, mut most) = (splat::<L>(0.0), splat::<L>(0.0), splat::<L>(0.0));
-        for l in 0..L {
-            let below = history.peak[l] - strain[l];
-            let least = history.peak[l] - below * absorption.steepening();
-            let most_steep = history.peak[l] - below * steepening[l];
-            // Either steepening may turn out to act: the range of the curve is that of both.
-            from[l] = smaller(least, most_steep) - reach * steepening[l];
-            to[l] = larger(least, most_steep) + reach * steepening[l];
-            most[l] = strain[l] + reach;
-        }
-        let mut slope = self.slowest.largest_slope(&from, &to);
-        let mut hardening = splat::<L>(0.0);
+        let below = history.peak - strain;
+        let least = history.peak - below * absorption.steepening();
+        let most_steep = history.peak - below * steepening;
+        // Either steepening may turn out to act: the range of the curve is that of both.
+        let from = least.min(most_steep) - reach * steepening;
+        let to = least.max(most_steep) + reach * steepening;
+        let mut slope = self.slowest.largest_slope(from, to);
+        let mut hardening = splat(0.0);
         for interval in &self.intervals {
-            let own = interval.curve.largest_slope(&from, &to);
-            let rising = interval.hardening(&history.peak, &most, self.averaging_strain);
-            for l in 0..L {
-                let reachable = interval.log.log() < fastest[l];
-                slope[l] = if reachable { larger(own[l], slope[l]) } else { slope[l] };
-                hardening[l] = if reachable { larger(rising[l], hardening[l]) } else { hardening[l] };
-            }
+            let own = interval.curve.largest_slope(from, to);
+            let rising = interval.hardening(history.peak, strain + reach, self.averaging_strain);
+            slope = reachable(interval).select(own.max(slope), slope);
+            hardening = reachable(interval).select(rising.max(hardening), hardening);
         }
-        for l in 0..L {
-            // Equation 142: slope of the slowest to the fastest curve in reach, and growth of the rate from one to the
-            // next.
-            slope[l] = if to[l] < 0.0 { 0.0 } else { steepening[l] * slope[l] + hardening[l] };
-        }
-        slope
+        // Equation 142: slope of the slowest to the fastest curve in reach, and growth of the rate from one to the next.
+        to.below(0.0).select(0.0, steepening * slope + hardening)
     }
 
     fn mean(first: &RateCurves, second: &RateCurves, factor: f64) -> RateCurves {
@@ -217,7 +176,7 @@ impl FibreLaw for RateCurves {
 
     #[inline(always)]
     fn break_strain<const L: usize>(&self, history: &RateHistory<L>) -> Lane<L> {
-        self.mix(&self.log_rate(&history.slowness), |curve| splat(curve.end()))
+        self.mix(self.log_rate(history.slowness), |curve| splat(curve.end()))
     }
 
     fn break_strains(&self) -> [f64; 2] {

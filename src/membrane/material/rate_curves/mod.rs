@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::Curve;
-use crate::lane::{Lane, lanes, larger, ln, one, smaller};
+use crate::lane::{Lane, ln, one};
 use interval::RateInterval;
 
 /// Curves of one fibre set by strain rate.
@@ -139,10 +139,10 @@ impl RateCurves {
 
     /// The curve at the constant `rate` (1/s).
     pub fn curve_at(&self, rate: f64) -> Curve {
-        let log_rate = ln(rate);
+        let log_rate = one(ln(rate));
         let mut curve = self.slowest.clone();
         for interval in &self.intervals {
-            let share = interval.weight(log_rate);
+            let share = interval.weight(log_rate)[0];
             if share > 0.0 {
                 curve = Curve::weighted(&curve, &interval.curve, [1.0 - share, share]);
             }
@@ -162,26 +162,24 @@ impl RateCurves {
 
     /// Stress (Pa) at `strain`, reached at the constant `rate` (1/s).
     pub fn stress_at(&self, strain: f64, rate: f64) -> f64 {
-        self.mix(&self.log_rate(&one(1.0 / rate)), |curve| curve.stress_lanes(&one(strain)))[0]
+        self.mix(self.log_rate(one(1.0 / rate)), |curve| curve.stress_lanes(one(strain)))[0]
     }
 
     /// Logarithm of the rate (1/s) within those of the curves.
     #[inline(always)]
-    fn log_rate<const L: usize>(&self, slowness: &Lane<L>) -> Lane<L> {
+    fn log_rate<const L: usize>(&self, slowness: Lane<L>) -> Lane<L> {
         let [shortest, longest] = self.slowness;
-        lanes(|l| -ln(smaller(larger(slowness[l], shortest), longest)))
+        -slowness.max(shortest).min(longest).ln()
     }
 
     /// The value `of` the curves, interpolated at `log_rate`; exactly that of one curve where all have the same.
     #[inline(always)]
-    fn mix<const L: usize>(&self, log_rate: &Lane<L>, of: impl Fn(&Curve) -> Lane<L>) -> Lane<L> {
+    fn mix<const L: usize>(&self, log_rate: Lane<L>, of: impl Fn(&Curve) -> Lane<L>) -> Lane<L> {
         let mut below = of(&self.slowest);
         let mut mixed = below;
         for interval in &self.intervals {
             let above = of(&interval.curve);
-            for l in 0..L {
-                mixed[l] += interval.weight(log_rate[l]) * (above[l] - below[l]);
-            }
+            mixed += interval.weight(log_rate) * (above - below);
             below = above;
         }
         mixed
