@@ -6,7 +6,8 @@
 //! depends neither on that width nor on the number of lanes.
 
 use std::ops::{
-    Add, AddAssign, BitAnd, BitOr, BitOrAssign, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub, SubAssign,
+    Add, AddAssign, BitAnd, BitOr, BitOrAssign, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub,
+    SubAssign,
 };
 
 use serde::{Deserialize, Serialize};

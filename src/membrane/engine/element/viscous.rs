@@ -78,7 +78,7 @@ impl<const L: usize> ViscousPoints<L> {
         let (count, instant) = (self.law.viscosity.variables(), self.law.instant());
         let (law, variables) = self.block_mut(block);
         let work = instant * energy;
-        variables.chunks_exact_mut(count).for_each(|point| law.set_work(point, &work));
+        variables.chunks_exact_mut(count).for_each(|point| law.set_work(point, work));
     }
 
     /// History variables of one block.

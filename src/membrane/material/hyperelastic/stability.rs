@@ -1,7 +1,7 @@
 //! Hill's criterion of stability: stretches from which on a law gives way.
 
-use crate::lane::one;
 use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, Tension, with_energy};
+use crate::lane::one;
 
 /// Largest stretch that is checked.
 const MOST: f64 = 10.0;

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::lane::one;
 use super::{Hyperelastic, HyperelasticLaw, StrainEnergy, with_energy};
+use crate::lane::one;
 
 /// Kinds of tension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lane::{Lane, exp, lanes, one, splat};
+use crate::lane::{Lane, one};
 use crate::material::{Curve, CurveError};
 
 /// Flow stress of slow flow over the equivalent plastic strain p.
@@ -122,9 +122,9 @@ impl FlowCurve {
     }
 
     #[inline(always)]
-    pub(super) fn flow<const L: usize>(&self, p: &Lane<L>) -> Flow<L> {
-        let [rise, slope] = self.rise.tangent(p);
-        Flow { stress: lanes(|l| self.initial + rise[l]), slope }
+    pub(super) fn flow<const L: usize>(&self, p: Lane<L>) -> Flow<L> {
+        let [rise, slope] = self.rise.tangent(&p);
+        Flow { stress: self.initial + rise, slope }
     }
 }
 
@@ -147,36 +147,28 @@ impl Hardening {
 
     /// Flow stress at the equivalent plastic strain `p`, Pa.
     pub fn stress(&self, p: f64) -> f64 {
-        self.flow(&one(p)).stress[0]
+        self.flow(one(p)).stress[0]
     }
 
     /// Flow stress and slope.
     #[inline(always)]
-    pub(super) fn flow<const L: usize>(&self, p: &Lane<L>) -> Flow<L> {
+    pub(super) fn flow<const L: usize>(&self, p: Lane<L>) -> Flow<L> {
         match self {
             Hardening::Table(curve) => curve.flow(p),
-            Hardening::Voce(Voce { initial, saturation, rate }) => {
-                let mut out = Flow { stress: splat(*saturation), slope: splat(0.0) };
-                for l in 0..L {
-                    let left = (saturation - initial) * exp(-rate * p[l]);
-                    out.stress[l] -= left;
-                    out.slope[l] = rate * left;
-                }
-                out
+            &Hardening::Voce(Voce { initial, saturation, rate }) => {
+                let left = (saturation - initial) * (-rate * p).exp();
+                Flow { stress: saturation - left, slope: rate * left }
             }
         }
     }
 
     /// Work of slow flow from the virgin state to `p`, ∫ σ_y dp, J/m³.
     #[inline(always)]
-    pub(super) fn work<const L: usize>(&self, p: &Lane<L>) -> Lane<L> {
+    pub(super) fn work<const L: usize>(&self, p: Lane<L>) -> Lane<L> {
         match self {
-            Hardening::Table(FlowCurve { initial, rise, .. }) => {
-                let rise = rise.read(p).energy;
-                lanes(|l| initial * p[l] + rise[l])
-            }
-            Hardening::Voce(Voce { initial, saturation, rate }) => {
-                lanes(|l| saturation * p[l] - (saturation - initial) * (1.0 - exp(-rate * p[l])) / rate)
+            Hardening::Table(FlowCurve { initial, rise, .. }) => *initial * p + rise.read(&p).energy,
+            &Hardening::Voce(Voce { initial, saturation, rate }) => {
+                saturation * p - (saturation - initial) * (1.0 - (-rate * p).exp()) / rate
             }
         }
     }
@@ -201,13 +193,13 @@ mod tests {
         for law in laws() {
             for p in [0.01, 0.1, 0.33, 0.49, 0.7, 3.0] {
                 let difference = (law.stress(p + 1e-6) - law.stress(p - 1e-6)) / 2e-6;
-                assert!((law.flow(&[p]).slope[0] - difference).abs() < 1e-7 * 1e8, "{law:?} {p}");
+                assert!((law.flow(one(p)).slope[0] - difference).abs() < 1e-7 * 1e8, "{law:?} {p}");
                 let (steps, mut area) = (20_000, 0.0);
                 for k in 0..steps {
                     let at = |share: f64| law.stress(p * (f64::from(k) + share) / f64::from(steps));
                     area += p / f64::from(steps) * (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
                 }
-                assert!((law.work(&[p])[0] / area - 1.0).abs() < 1e-8, "{law:?} {p}");
+                assert!((law.work(one(p))[0] / area - 1.0).abs() < 1e-8, "{law:?} {p}");
             }
         }
     }

@@ -19,13 +19,6 @@ pub struct PlasticHistory<const L: usize> {
     left: [Lane<L>; 2],
 }
 
-impl<const L: usize> PlasticHistory<L> {
-    /// Equivalent plastic strain.
-    pub fn equivalent(&self) -> &Lane<L> {
-        &self.equivalent
-    }
-}
-
 impl<const L: usize> History<L> for PlasticHistory<L> {
     fn virgin() -> Self {
         let nothing = splat(0.0);

@@ -12,7 +12,7 @@
 //!
 //! where `± x` is the deviator with the components x₁, −x₁ and x₂. A and B are even and smooth in r.
 
-use crate::lane::{Lane, lanes, ln, splat};
+use crate::lane::{Lane, lanes, splat};
 use crate::material::elastic::Plane;
 
 /// Logarithmic strain, and what derives from C.
@@ -40,87 +40,51 @@ impl<const L: usize> Logarithm<L> {
     /// Of C₁₁, C₂₂ and C₁₂.
     #[inline(always)]
     pub(super) fn from_cauchy_green(c: &Plane<L>) -> Logarithm<L> {
-        let nothing = splat::<L>(0.0);
-        let mut out = Logarithm {
-            strain: [nothing; 3],
-            mean: nothing,
-            deviator: [nothing; 2],
-            radius: nothing,
-            per_det: nothing,
-            across: nothing,
-            bent: nothing,
-        };
-        let mut det = splat::<L>(0.0);
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (c[0][l] + c[1][l]), 0.5 * (c[0][l] - c[1][l]));
-            det[l] = c[0][l] * c[1][l] - c[2][l] * c[2][l];
-            out.mean[l] = mean;
-            out.deviator[0][l] = apart;
-            out.deviator[1][l] = c[2][l];
-            // Not `hypot`, whose bits differ between platforms and which is no vector instruction.
-            out.radius[l] = (apart * apart + c[2][l] * c[2][l]).sqrt();
-            out.per_det[l] = 1.0 / det[l];
+        let (mean, apart) = (0.5 * (c[0] + c[1]), 0.5 * (c[0] - c[1]));
+        let det = c[0] * c[1] - c[2] * c[2];
+        // Not `hypot`, whose bits differ between platforms and which is no vector instruction.
+        let radius = (apart * apart + c[2] * c[2]).sqrt();
+        let (per_det, per_mean) = (1.0 / det, 1.0 / mean);
+        let r = radius * per_mean;
+        // c₁; c₂ is det C over it, since mean − radius would lose all digits of a small c₂.
+        let first = mean + radius;
+        // c₁/c₂ = 2ⁿ k with √½ ≤ k < √2, so that artanh r = ½ n ln 2 + artanh t; t is r itself where n is zero.
+        let ratio = first * first * per_det;
+        let n = lanes(|l| f64::from(exponent(ratio[l]) as i32));
+        let power = lanes(|l| f64::from_bits((exponent(ratio[l]).wrapping_add(1023) as u64) << 52));
+        let second = power * (det / first);
+        // Near equal stretches r itself is the exact argument: c₁ − c₂ would be a difference of equals.
+        let is_near = n.equals(0.0);
+        let t = is_near.select(r, (first - second) / (first + second));
+        let square = t * t;
+        let mut series = splat(1.0 / 21.0);
+        for odd in SERIES {
+            series = 1.0 / odd + square * series;
         }
-        for l in 0..L {
-            let (mean, radius) = (out.mean[l], out.radius[l]);
-            let per_mean = 1.0 / mean;
-            let r = radius * per_mean;
-            // c₁; c₂ is det C over it, since mean − radius would lose all digits of a small c₂.
-            let first = mean + radius;
-            // c₁/c₂ = 2ⁿ k with √½ ≤ k < √2, so that artanh r = ½ n ln 2 + artanh t; t is r itself where n is zero.
-            const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
-            let ratio = first * first * out.per_det[l];
-            // Subtracting √½ before the shift rounds to the nearest power: n by integer instructions, in all lanes
-            // alike.
-            let exponent = (ratio.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
-            let power = f64::from_bits((exponent.wrapping_add(1023) as u64) << 52);
-            let second = power * (det[l] / first);
-            // Near equal stretches r itself is the exact argument: c₁ − c₂ would be a difference of equals.
-            let is_near = exponent == 0;
-            let t = if is_near { r } else { (first - second) / (first + second) };
-            let square = t * t;
-            let mut series = 1.0 / 21.0;
-            for odd in SERIES {
-                series = 1.0 / odd + square * series;
-            }
-            // (artanh(t)/t − 1)/t² and artanh(t)/t.
-            let (second_part, whole) = (series, 1.0 + square * series);
-            let far = (0.5 * std::f64::consts::LN_2 * f64::from(exponent as i32) + t * whole) / r;
-            let a = if is_near { whole } else { far };
-            let inverse = mean * mean * out.per_det[l];
-            // B: the difference over r² cancels as r → 0, where the series has it term by term.
-            let b = if is_near { inverse - second_part } else { (inverse - a) / (r * r) };
-            out.across[l] = a * per_mean;
-            out.bent[l] = b * per_mean * per_mean * per_mean;
-        }
-        for l in 0..L {
-            // Mean of the principal E by the determinant: ln c₁ + ln c₂ without either of them.
-            let mean = 0.25 * ln(det[l]);
-            let apart = 0.5 * out.across[l] * out.deviator[0][l];
-            out.strain[0][l] = mean + apart;
-            out.strain[1][l] = mean - apart;
-            out.strain[2][l] = 0.5 * out.across[l] * out.deviator[1][l];
-        }
-        out
+        // (artanh(t)/t − 1)/t² and artanh(t)/t.
+        let (second_part, whole) = (series, 1.0 + square * series);
+        let a = is_near.select(whole, (0.5 * std::f64::consts::LN_2 * n + t * whole) / r);
+        let inverse = mean * mean * per_det;
+        // B: the difference over r² cancels as r → 0, where the series has it term by term.
+        let b = is_near.select(inverse - second_part, (inverse - a) / (r * r));
+        let (across, bent) = (a * per_mean, b * per_mean * per_mean * per_mean);
+        // Mean of the principal E by the determinant: ln c₁ + ln c₂ without either of them.
+        let (level, deviator) = (0.25 * det.ln(), 0.5 * across * apart);
+        let strain = [level + deviator, level - deviator, 0.5 * across * c[2]];
+        Logarithm { strain, mean, deviator: [apart, c[2]], radius, per_det, across, bent }
     }
 
     /// Second Piola–Kirchhoff stress S of the stress T that does work on E.
     #[inline(always)]
     pub(super) fn second_piola(&self, t: &Plane<L>) -> Plane<L> {
-        let mut s = [splat(0.0); 3];
-        for l in 0..L {
-            let (mean, apart, shear) = (0.5 * (t[0][l] + t[1][l]), 0.5 * (t[0][l] - t[1][l]), t[2][l]);
-            let [q, w] = [self.deviator[0][l], self.deviator[1][l]];
-            // d·q of the deviators as two components.
-            let along = apart * q + shear * w;
-            let level = (mean * self.mean[l] - along) * self.per_det[l];
-            let turned = self.bent[l] * along - mean * self.per_det[l];
-            let deviator = self.across[l] * apart + turned * q;
-            s[0][l] = level + deviator;
-            s[1][l] = level - deviator;
-            s[2][l] = self.across[l] * shear + turned * w;
-        }
-        s
+        let (mean, apart, shear) = (0.5 * (t[0] + t[1]), 0.5 * (t[0] - t[1]), t[2]);
+        let [q, w] = self.deviator;
+        // d·q of the deviators as two components.
+        let along = apart * q + shear * w;
+        let level = (mean * self.mean - along) * self.per_det;
+        let turned = self.bent * along - mean * self.per_det;
+        let deviator = self.across * apart + turned * q;
+        [level + deviator, level - deviator, self.across * shear + turned * w]
     }
 
     /// Bound on the eigenvalues of the second derivative by F of the energy ½ E_e·T with the moduli `plane` = Y/(1 −
@@ -135,36 +99,39 @@ impl<const L: usize> Logarithm<L> {
     /// with the eigenvalues c₁ ≥ c₂ of C.
     #[inline(always)]
     pub(super) fn bound(&self, t: &Plane<L>, [plane, poisson, shear]: [f64; 3]) -> Lane<L> {
-        let mut out = splat(0.0);
-        for l in 0..L {
-            let (mean, apart) = (0.5 * (t[0][l] + t[1][l]), 0.5 * (t[0][l] - t[1][l]));
-            let cross = (apart * apart + t[2][l] * t[2][l]).sqrt();
-            // Largest size of a principal stress: the bound must hold for tension and compression.
-            let most = mean.abs() + cross;
-            let (sum, radius) = (2.0 * self.mean[l], self.radius[l]);
-            let (first, second) = (1.0 / (self.mean[l] + radius), (self.mean[l] + radius) * self.per_det[l]);
-            // Y/(1 − ν²) (1/c₁, ν/√(c₁c₂); ·, 1/c₂).
-            let (middle, half) = (0.5 * (first + second), 0.5 * (second - first));
-            let between = poisson * poisson * self.per_det[l];
-            let stretched = plane * (middle + (half * half + between).sqrt());
-            let theta = self.across[l];
-            let sheared = shear * theta * theta * sum;
-            let bent = self.bent[l] * radius;
-            let [first, last] = [0.25 * (self.per_det[l] - bent), 0.25 * (self.per_det[l] + bent)];
-            let c = [self.mean[l] + radius, 1.0 / second];
-            let coupling = (sum * (first * first * c[0] + last * last * c[1])).sqrt();
-            let sideways = second + 2.0 * sum * (first + last);
-            let (one, other) = (stretched + most * second, sheared + most * sideways);
-            // A NaN must propagate.
-            let larger = if one <= other { other } else { one };
-            out[l] = larger + cross * (theta + 4.0 * coupling);
-        }
-        out
+        let (mean, apart) = (0.5 * (t[0] + t[1]), 0.5 * (t[0] - t[1]));
+        let cross = (apart * apart + t[2] * t[2]).sqrt();
+        // Largest size of a principal stress: the bound must hold for tension and compression.
+        let most = mean.abs() + cross;
+        let (sum, larger) = (2.0 * self.mean, self.mean + self.radius);
+        let (first, second) = (1.0 / larger, larger * self.per_det);
+        // Y/(1 − ν²) (1/c₁, ν/√(c₁c₂); ·, 1/c₂).
+        let (middle, half) = (0.5 * (first + second), 0.5 * (second - first));
+        let between = poisson * poisson * self.per_det;
+        let stretched = plane * (middle + (half * half + between).sqrt());
+        let theta = self.across;
+        let sheared = shear * theta * theta * sum;
+        let bent = self.bent * self.radius;
+        let [phi1, phi2] = [0.25 * (self.per_det - bent), 0.25 * (self.per_det + bent)];
+        let coupling = (sum * (phi1 * phi1 * larger + phi2 * phi2 * (1.0 / second))).sqrt();
+        let sideways = second + 2.0 * sum * (phi1 + phi2);
+        let (stretched, sheared) = (stretched + most * second, sheared + most * sideways);
+        // A NaN must propagate.
+        let most = stretched.at_most(sheared).select(sheared, stretched);
+        most + cross * (theta + 4.0 * coupling)
     }
+}
+
+/// n of x = 2ⁿ k with √½ ≤ k < √2, by integer instructions, in all lanes alike: subtracting √½ before the shift rounds
+/// to the nearest power.
+#[inline(always)]
+fn exponent(x: f64) -> i64 {
+    const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52
 }
 
 /// T₁₁ + T₂₂ of the stress S at C: their scalar product.
 #[inline(always)]
-pub(super) fn trace<const L: usize>(c: &Plane<L>, s: [&Lane<L>; 3]) -> Lane<L> {
-    lanes(|l| c[0][l] * s[0][l] + c[1][l] * s[1][l] + 2.0 * c[2][l] * s[2][l])
+pub(super) fn trace<const L: usize>(c: &Plane<L>, s: &Plane<L>) -> Lane<L> {
+    c[0] * s[0] + c[1] * s[1] + 2.0 * c[2] * s[2]
 }

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
-use crate::lane::{Lane, exp, lanes, larger, one, splat};
+use crate::lane::{Lane, one, splat};
 
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
@@ -84,7 +84,7 @@ impl Plastic {
 
     /// Flow stress at the equivalent plastic strain `p` and its constant rate, 1/s, Pa.
     pub fn flow_stress(&self, p: f64, rate: f64) -> f64 {
-        self.rate.stress_at(self.hardening.flow(&one(p)), p, rate)
+        self.rate.stress_at(self.hardening.flow(one(p)), p, rate)
     }
 
     /// Amplitudes of the elastic strain with the plastic strain `plastic`.
@@ -92,9 +92,7 @@ impl Plastic {
     fn amplitudes<const L: usize>(&self, log: &Logarithm<L>, plastic: &Plane<L>) -> Plane<L> {
         let mut elastic = log.strain;
         for i in 0..3 {
-            for l in 0..L {
-                elastic[i][l] -= plastic[i][l];
-            }
+            elastic[i] -= plastic[i];
         }
         self.modes.amplitudes(&elastic)
     }
@@ -103,8 +101,8 @@ impl Plastic {
     #[inline(always)]
     fn relax<const L: usize>(
         &self,
-        trial: &Trial<'_, L>,
-        gamma: &Lane<L>,
+        trial: &Trial<L>,
+        gamma: Lane<L>,
         amplitudes: &mut Plane<L>,
         history: &mut PlasticHistory<L>,
     ) -> Plane<L> {
@@ -112,35 +110,23 @@ impl Plastic {
         // amplitude by itself.
         let relaxed = trial.relaxed(gamma);
         for i in 0..3 {
-            for l in 0..L {
-                amplitudes[i][l] *= relaxed.shares[i][l];
-            }
+            amplitudes[i] *= relaxed.shares[i];
         }
         let t = self.modes.stress(amplitudes);
         let ([along, across], Hill { h, n, .. }) = (self.hill.normal(), self.hill);
-        let mut p = *trial.before;
-        for l in 0..L {
-            // Δp = γ σ̄, as σ̄ is homogeneous of degree one.
-            p[l] += gamma[l] * relaxed.stress[l];
-            // ΔE_p = γ P T with the stress at the end of the step (equation 258): backward Euler, stable for any step.
-            history.strain[0][l] += gamma[l] * (along * t[0][l] - h * t[1][l]);
-            history.strain[1][l] += gamma[l] * (across * t[1][l] - h * t[0][l]);
-            history.strain[2][l] += gamma[l] * n * t[2][l];
-        }
+        // Δp = γ σ̄, as σ̄ is homogeneous of degree one.
+        let p = trial.before + gamma * relaxed.stress;
+        // ΔE_p = γ P T with the stress at the end of the step (equation 258): backward Euler, stable for any step.
+        history.strain[0] += gamma * (along * t[0] - h * t[1]);
+        history.strain[1] += gamma * (across * t[1] - h * t[0]);
+        history.strain[2] += gamma * n * t[2];
         if !matches!(self.rate, FlowRate::Independent) {
-            let slow = self.hardening.flow(&p).stress;
-            let (mut over, mut work) = (splat::<L>(0.0), splat::<L>(0.0));
-            for l in 0..L {
-                let above = larger(relaxed.stress[l] - slow[l], 0.0);
-                // Of a lane that does not flow what is left is round-off.
-                over[l] = if gamma[l] > 0.0 { above } else { 0.0 };
-                // Trapezoid of the overstress over p (equation 262); the slow part is the integral of the curve and
-                // needs no sum.
-                work[l] = 0.5 * (history.overstress[l] + over[l]) * (p[l] - history.equivalent[l]);
-            }
-            for l in 0..L {
-                history.surplus[l] += work[l];
-            }
+            let above = (relaxed.stress - self.hardening.flow(p).stress).max(0.0);
+            // Of a lane that does not flow what is left is round-off.
+            let over = gamma.above(0.0).select(above, 0.0);
+            // Trapezoid of the overstress over p (equation 262); the slow part is the integral of the curve and needs
+            // no sum.
+            history.surplus += 0.5 * (history.overstress + over) * (p - history.equivalent);
             history.overstress = over;
         }
         history.equivalent = p;
@@ -160,12 +146,12 @@ impl MembraneLaw for Plastic {
             stiffness: self.modes.stiffness,
             softest: self.modes.softest(),
             squares: self.modes.squares(&amplitudes),
-            before: &before,
-            flow_stress: self.hardening.flow(&before).stress,
+            before,
+            flow_stress: self.hardening.flow(before).stress,
         };
         // Where no lane flows, the rest changes nothing.
         let t = match trial.flow(&self.hardening, &self.rate, dt) {
-            Some(gamma) => self.relax(&trial, &gamma, &mut amplitudes, history),
+            Some(gamma) => self.relax(&trial, gamma, &mut amplitudes, history),
             None => {
                 history.overstress = splat(0.0);
                 self.modes.stress(&amplitudes)
@@ -185,10 +171,7 @@ impl MembraneLaw for Plastic {
     #[inline(always)]
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &PlasticHistory<L>) -> Energy<L> {
         let amplitudes = self.amplitudes(&Logarithm::from_cauchy_green(&d.metric()), &history.strain);
-        let mut absorbed = self.hardening.work(&history.equivalent);
-        for l in 0..L {
-            absorbed[l] += history.surplus[l];
-        }
+        let absorbed = self.hardening.work(history.equivalent) + history.surplus;
         Energy { stored: self.modes.stored(&amplitudes), absorbed }
     }
 
@@ -204,9 +187,9 @@ impl MembraneLaw for Plastic {
     /// Plastic flow keeps the volume: ln λ₃ = (1 − 2ν)/Y (T₁₁ + T₂₂) − ½ ln det C, and T₁₁ + T₂₂ = C:S.
     fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, stress: &Stress<L>) -> Lane<L> {
         let c = d.metric();
-        let trace = logarithm::trace(&c, [&stress.tension[0], &stress.tension[1], &stress.cross]);
+        let trace = logarithm::trace(&c, &[stress.tension[0], stress.tension[1], stress.cross]);
         let volume = (1.0 - 2.0 * self.elastic.poisson) / self.elastic.young;
-        lanes(|l| exp(volume * trace[l]) / (c[0][l] * c[1][l] - c[2][l] * c[2][l]).sqrt())
+        (volume * trace).exp() / (c[0] * c[1] - c[2] * c[2]).sqrt()
     }
 
     fn moduli(&self) -> [f64; 2] {
@@ -219,6 +202,6 @@ impl MembraneLaw for Plastic {
     }
 
     fn plastic_strain<'a, const L: usize>(&self, history: &'a PlasticHistory<L>) -> Option<&'a Lane<L>> {
-        Some(history.equivalent())
+        Some(&history.equivalent)
     }
 }

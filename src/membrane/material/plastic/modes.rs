@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Hill;
-use crate::lane::{Lane, lanes, splat};
+use crate::lane::Lane;
 use crate::material::elastic::Plane;
 
 /// Modes of a film.
@@ -56,48 +56,38 @@ impl Modes {
     /// y_i of the components 11, 22 and 12 of an elastic strain.
     #[inline(always)]
     pub(super) fn amplitudes<const L: usize>(&self, strain: &Plane<L>) -> Plane<L> {
-        let mut out = [splat(0.0); 3];
-        for l in 0..L {
-            for i in 0..2 {
-                out[i][l] = self.normal[i][0] * strain[0][l] + self.normal[i][1] * strain[1][l];
-            }
+        let [first, second] = self.normal;
+        [
+            first[0] * strain[0] + first[1] * strain[1],
+            second[0] * strain[0] + second[1] * strain[1],
             // Twice, as T₁₂ works on both E₁₂ and E₂₁.
-            out[2][l] = 2.0 * self.shear * strain[2][l];
-        }
-        out
+            2.0 * self.shear * strain[2],
+        ]
     }
 
     /// T of the amplitudes.
     #[inline(always)]
     pub(super) fn stress<const L: usize>(&self, amplitudes: &Plane<L>) -> Plane<L> {
         let [first, second] = self.normal;
-        let mut out = [splat(0.0); 3];
-        for l in 0..L {
-            for i in 0..2 {
-                out[i][l] = first[i] * amplitudes[0][l] + second[i] * amplitudes[1][l];
-            }
-            out[2][l] = self.shear * amplitudes[2][l];
-        }
-        out
+        [
+            first[0] * amplitudes[0] + second[0] * amplitudes[1],
+            first[1] * amplitudes[0] + second[1] * amplitudes[1],
+            self.shear * amplitudes[2],
+        ]
     }
 
     /// κ_i y_i², whose sum is σ̄².
     #[inline(always)]
     pub(super) fn squares<const L: usize>(&self, amplitudes: &Plane<L>) -> Plane<L> {
-        let mut out = [splat(0.0); 3];
-        for (i, stiffness) in self.stiffness.into_iter().enumerate() {
-            for l in 0..L {
-                out[i][l] = stiffness * amplitudes[i][l] * amplitudes[i][l];
-            }
-        }
-        out
+        let ([a, b, c], [first, second, shear]) = (*amplitudes, self.stiffness);
+        [first * a * a, second * b * b, shear * c * c]
     }
 
     /// ½ Σ y_i², J/m³.
     #[inline(always)]
     pub(super) fn stored<const L: usize>(&self, amplitudes: &Plane<L>) -> Lane<L> {
-        let [a, b, c] = amplitudes;
-        lanes(|l| 0.5 * (a[l] * a[l] + b[l] * b[l] + c[l] * c[l]))
+        let [a, b, c] = *amplitudes;
+        0.5 * (a * a + b * b + c * c)
     }
 
     /// Least κ, Pa.
@@ -109,6 +99,7 @@ impl Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::splat;
 
     /// Stress, stored energy and yield function against plane stress and Hill's function as written.
     #[test]

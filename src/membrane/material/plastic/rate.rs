@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::FlowCurve;
 use super::hardening::Flow;
-use crate::lane::{Lane, ln, one, splat};
+use crate::lane::{Lane, lanes, ln, one, splat};
 use crate::material::log_interval::LogInterval;
 
 /// Dependence of the flow stress on the rate ṗ of the equivalent plastic strain.
@@ -128,7 +128,7 @@ impl FlowRate {
     pub(super) fn stress_at(&self, slow: Flow<1>, p: f64, rate: f64) -> f64 {
         match self {
             FlowRate::Independent => slow.stress[0],
-            FlowRate::Table(table) => table.flow(&slow, &one(p), &one(ln(rate))).stress[0],
+            FlowRate::Table(table) => table.flow(&slow, one(p), one(ln(rate))).stress[0],
         }
     }
 }
@@ -136,19 +136,17 @@ impl FlowRate {
 impl RateTable {
     /// Flow stress at p and ln ṗ, where slow flow has that of `slow`.
     #[inline(always)]
-    pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: &Lane<L>, log_rate: &Lane<L>) -> RatedFlow<L> {
+    pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: Lane<L>, log_rate: Lane<L>) -> RatedFlow<L> {
         let mut out = RatedFlow { stress: slow.stress, by_strain: slow.slope, by_log_rate: splat(0.0) };
         let (mut below, mut slope) = (slow.stress, slow.slope);
         for Step { interval, curve, .. } in &self.steps {
             let above = curve.flow(p);
-            for l in 0..L {
-                let weight = interval.weight(log_rate[l]);
-                let rise = above.stress[l] - below[l];
-                out.stress[l] += weight * rise;
-                out.by_strain[l] += weight * (above.slope[l] - slope[l]);
-                let is_inside = (weight > 0.0) & (weight < 1.0);
-                out.by_log_rate[l] += if is_inside { interval.per_log() * rise } else { 0.0 };
-            }
+            let weight = lanes(|l| interval.weight(log_rate[l]));
+            let rise = above.stress - below;
+            out.stress += weight * rise;
+            out.by_strain += weight * (above.slope - slope);
+            let is_inside = weight.above(0.0) & weight.below(1.0);
+            out.by_log_rate += is_inside.select(interval.per_log() * rise, 0.0);
             (below, slope) = (above.stress, above.slope);
         }
         out
@@ -171,7 +169,7 @@ mod tests {
         assert_eq!(rate.range(), Some([0.1, 100.0]));
         let slow = Hardening::Table(slow);
         for (at, factor) in [(1e-6, 1.0), (0.1, 1.0), (0.316_227_766, 1.1), (1.0, 1.2), (10.0, 1.4), (1e4, 1.6)] {
-            let stress = rate.stress_at(slow.flow(&[0.05]), 0.05, at);
+            let stress = rate.stress_at(slow.flow(one(0.05)), 0.05, at);
             assert!((stress / (factor * 10e6) - 1.0).abs() < 1e-9, "{at}: {stress}");
         }
     }

@@ -196,7 +196,7 @@ fn flow_is_solved_to_round_off() {
             let before = if random() < 0.3 { 0.0 } else { random().powi(2) };
             let dt = if random() < 0.2 { 0.0 } else { 10.0_f64.powf(-9.0 + 10.0 * random()) };
             let mut history = Point::virgin();
-            history.equivalent = [before];
+            history.equivalent = one(before);
             let expected = BruteForce { law: &law, trial, before, dt };
             let gamma = expected.solve();
             let stress = expected.stress(gamma);
@@ -289,7 +289,7 @@ fn the_bound_holds_at_random_states() {
             let mut history = Point::virgin();
             // An elastic strain of up to twice what the film yields at.
             let strain = Logarithm::from_cauchy_green(&Deformation::from(f).metric()).strain;
-            history.strain = strain.map(|total| [total[0] + 0.08 * (random() - 0.5)]);
+            history.strain = strain.map(|total| total + 0.08 * (random() - 0.5));
             let bound = law.stiffness(&Deformation::from(f), &history).any[0];
             for _ in 0..12 {
                 let motion: [f64; 6] = std::array::from_fn(|_| random() - 0.5);
@@ -316,10 +316,9 @@ fn stress_is_the_derivative_of_the_stored_energy() {
     let law = slow(orthotropic(), table());
     for _ in 0..300 {
         let f = turned([0.7 + random(), 0.5 + random()], [6.3 * random(), 6.3 * random()]);
-        let d = Deformation { f, stretch_variance: [[0.1 * random()], [0.1 * random()]] };
+        let d = Deformation { f, stretch_variance: [one(0.1 * random()), one(0.1 * random())] };
         let mut history = Point::virgin();
-        history.strain =
-            Logarithm::from_cauchy_green(&d.metric()).strain.map(|total| [total[0] + 0.05 * (random() - 0.5)]);
+        history.strain = Logarithm::from_cauchy_green(&d.metric()).strain.map(|total| total + 0.05 * (random() - 0.5));
         let stress = law.stress_of(&d, &history);
         let energy = |d: &Deformation<1>| law.energy(d, &history).stored[0];
         for fibre in 0..2 {

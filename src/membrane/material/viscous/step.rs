@@ -35,7 +35,7 @@ impl<const L: usize> ViscousStep<L> {
 
     fn from_terms(viscosity: &Viscosity, terms: Vec<[f64; 2]>) -> ViscousStep<L> {
         let fresh = viscosity.long_term() + terms.iter().map(|[_, taken]| taken).sum::<f64>();
-        let terms = terms.into_iter().map(|term| term.map(|coefficient| splat(coefficient))).collect();
+        let terms = terms.into_iter().map(|term| term.map(splat)).collect();
         ViscousStep { terms, fresh }
     }
 }

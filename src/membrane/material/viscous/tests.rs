@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use super::step::decay;
 use super::*;
-use crate::lane::{Lane, splat};
+use crate::lane::{Lane, one, splat};
 use crate::material::hyperelastic::{Hyperelastic, Polynomial};
 use crate::material::tests::film;
 use crate::material::{
@@ -36,7 +36,7 @@ impl<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone> Point<M> {
         let step = ViscousStep::mounting(&self.viscous.viscosity);
         self.taken(&step, d);
         let Energy { stored, absorbed } = self.law.energy(d, &self.history);
-        self.viscous.set_work(&mut self.variables, &[self.viscous.instant() * (stored[0] + absorbed[0])]);
+        self.viscous.set_work(&mut self.variables, one(self.viscous.instant() * (stored[0] + absorbed[0])));
         self
     }
 
