@@ -64,13 +64,7 @@ impl Absorption {
 
     /// Largest slope within `reach` of `strain` on either path, Pa; zero where the fibre stays slack.
     #[inline(always)]
-    pub fn largest_slope<const L: usize>(
-        &self,
-        curve: &Curve,
-        strain: Lane<L>,
-        peak: Lane<L>,
-        reach: f64,
-    ) -> Lane<L> {
+    pub fn largest_slope<const L: usize>(&self, curve: &Curve, strain: Lane<L>, peak: Lane<L>, reach: f64) -> Lane<L> {
         let reach = reach * self.steepening;
         let place = self.curve_strain(strain, peak);
         let (from, to) = (place - reach, place + reach);

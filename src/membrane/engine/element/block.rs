@@ -57,9 +57,9 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
         for point in 0..Self::POINTS {
             let d = self.deformation_at(point, x);
             for fibre in 0..2 {
-                add_share(&mut mean.stretch_variance[fibre], &d.stretch_variance[fibre], Self::SHARE);
+                mean.stretch_variance[fibre] += Self::SHARE * d.stretch_variance[fibre];
                 for axis in 0..3 {
-                    add_share(&mut mean.f[fibre][axis], &d.f[fibre][axis], Self::SHARE);
+                    mean.f[fibre][axis] += Self::SHARE * d.f[fibre][axis];
                 }
             }
         }
@@ -73,14 +73,11 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
         for (point, (history, _)) in self.history().enumerate() {
             let s = strains(&self.deformation_at(point, x));
             for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
-                add_share(mean, &value, Self::SHARE);
+                *mean += Self::SHARE * value;
             }
             for fibre in 0..2 {
-                let (peak, left) = (history.peak(fibre), history.left(fibre));
-                for l in 0..L {
-                    out.peak[fibre][l] = out.peak[fibre][l].max(peak[l]);
-                    out.left[fibre][l] = out.left[fibre][l].min(left[l]);
-                }
+                out.peak[fibre] = history.peak(fibre).max(out.peak[fibre]);
+                out.left[fibre] = history.left(fibre).min(out.left[fibre]);
             }
         }
         out
@@ -95,19 +92,19 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
             let d = self.deformation_at(point, x);
             let mut response = law.stress_of(&d, history);
             // Stress relaxes with a constant Poisson's ratio: the thickness is that of film strained at once.
-            add_share(&mut out.thickness_ratio, &law.thickness_ratio(&d, &response), Self::SHARE);
+            out.thickness_ratio += Self::SHARE * law.thickness_ratio(&d, &response);
             if let Some(plastic_strain) = law.plastic_strain(history) {
-                add_share(&mut out.plastic_strain, plastic_strain, Self::SHARE);
+                out.plastic_strain += Self::SHARE * *plastic_strain;
             }
             if let Some(viscous) = viscous {
                 response = viscous.stress(point, &d);
             }
             let Stresses { md, td, shear } = stresses(&d, &response);
             for (mean, value) in out.stress.iter_mut().zip([md, td, shear]) {
-                add_share(mean, &value, Self::SHARE);
+                *mean += Self::SHARE * value;
             }
             for (mean, value) in out.fibres.iter_mut().flatten().zip(d.f.iter().flatten()) {
-                add_share(mean, value, Self::SHARE);
+                *mean += Self::SHARE * *value;
             }
         }
         out
@@ -123,7 +120,7 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
                 None => law.stress_of(&d, history),
             };
             for (mean, value) in out.iter_mut().zip([stress.tension[0], stress.tension[1], stress.cross]) {
-                add_share(mean, &value, Self::SHARE);
+                *mean += Self::SHARE * value;
             }
         }
         out
@@ -134,7 +131,7 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
     fn volume(&self) -> Lane<L> {
         let mut total = splat(0.0);
         for (_, volume) in self.history() {
-            add_share(&mut total, volume, 1.0);
+            total += *volume;
         }
         total
     }
@@ -256,20 +253,6 @@ pub(super) fn point_stiffness<M: MembraneLaw, const L: usize>(
 #[inline(always)]
 pub(super) fn is_beyond<M: MembraneLaw, const L: usize>(law: &M, history: &M::History<L>, volume: &Lane<L>) -> bool {
     let limits = law.break_strains::<L>(history);
-    let (peaks, left) = ([history.peak(0), history.peak(1)], [history.left(0), history.left(1)]);
-    let mut beyond = false;
-    for l in 0..L {
-        // `&`, not `&&`: this runs over all lanes in every step, and a branch would be taken once a run.
-        let of = |fibre: usize| (peaks[fibre][l] > limits[fibre][l]) & (left[fibre][l] > 0.0);
-        beyond |= (volume[l] > 0.0) & (of(0) | of(1));
-    }
-    beyond
-}
-
-/// Adds `share` of `value` to `sum`.
-#[inline(always)]
-fn add_share<const L: usize>(sum: &mut Lane<L>, value: &Lane<L>, share: f64) {
-    for l in 0..L {
-        sum[l] += share * value[l];
-    }
+    let of = |fibre: usize| history.peak(fibre).above(limits[fibre]) & history.left(fibre).above(0.0);
+    (volume.above(0.0) & (of(0) | of(1))).any()
 }

@@ -37,9 +37,7 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
         for fibre in 0..2 {
             for axis in 0..3 {
                 for a in 0..NODES {
-                    for l in 0..L {
-                        f[fibre][axis][l] += self.gradient[a][fibre][l] * x[a][axis][l];
-                    }
+                    f[fibre][axis] += self.gradient[a][fibre] * x[a][axis];
                 }
             }
         }
@@ -51,11 +49,9 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     fn subtract_stress(&self, p: &[Lane3<L>; 2], out: &mut [Lane3<L>; NODES]) {
         for fibre in 0..2 {
             for axis in 0..3 {
-                let vp: Lane<L> = lanes(|l| self.volume[l] * p[fibre][axis][l]);
+                let vp = self.volume * p[fibre][axis];
                 for a in 0..NODES {
-                    for l in 0..L {
-                        out[a][axis][l] -= self.gradient[a][fibre][l] * vp[l];
-                    }
+                    out[a][axis] -= self.gradient[a][fibre] * vp;
                 }
             }
         }
@@ -66,10 +62,8 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     fn metric(&self) -> [[Lane<L>; 2]; 2] {
         let mut g = [[splat(0.0); 2]; 2];
         for (i, j) in [(0, 0), (0, 1), (1, 1)] {
-            for a in 0..NODES {
-                for l in 0..L {
-                    g[i][j][l] += self.gradient[a][i][l] * self.gradient[a][j][l];
-                }
+            for b in &self.gradient {
+                g[i][j] += b[i] * b[j];
             }
         }
         g
@@ -119,10 +113,8 @@ impl<M: MembraneLaw, const NODES: usize, const POINTS: usize, const L: usize> Bl
         let mut out = BlockEnergies::NONE;
         for (p, point) in self.points.iter().enumerate() {
             let energy = point_energy(law, viscous, p, &point.deformation(x), &point.history);
-            for l in 0..L {
-                out.stored[l] += point.volume[l] * energy.stored[l];
-                out.absorbed[l] += point.volume[l] * energy.absorbed[l];
-            }
+            out.stored += point.volume * energy.stored;
+            out.absorbed += point.volume * energy.absorbed;
         }
         out
     }
@@ -132,10 +124,7 @@ impl<M: MembraneLaw, const NODES: usize, const POINTS: usize, const L: usize> Bl
         let mut bound = splat(0.0);
         for (p, point) in self.points.iter().enumerate() {
             let stiffness = point_stiffness(law, viscous, p, &point.deformation(x), &point.history);
-            let eigenvalue = stiffness.eigenvalue_bound(&point.metric());
-            for l in 0..L {
-                bound[l] += point.volume[l] * eigenvalue[l];
-            }
+            bound += point.volume * stiffness.eigenvalue_bound(&point.metric());
         }
         bound
     }

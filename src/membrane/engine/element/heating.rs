@@ -55,7 +55,7 @@ impl<const L: usize> Heating<L> {
     /// Energy that the elements of a block have absorbed, J/m³.
     pub(super) fn absorbed(&self, block: usize) -> Lane<L> {
         let Heat { absorbed, mounted, .. } = &self.blocks[block];
-        lanes(|l| absorbed[l] + mounted[l])
+        *absorbed + *mounted
     }
 
     /// Takes over the energies (J/m³) that the law of the element at a block and lane stores and has absorbed, whose fibres
@@ -80,7 +80,7 @@ at_width! {
             let volume = block.volume();
             let stored = lanes(|l| energies.densities(&volume, l).stored);
             let absorbed = lanes(|l| energies.densities(&volume, l).absorbed);
-            heating.blocks[b].advance(&stored, &absorbed, dt, &heating.thermal);
+            heating.blocks[b].advance(stored, absorbed, dt, &heating.thermal);
         }
         elements.common.heating = Some(heating);
     }

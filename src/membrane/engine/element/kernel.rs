@@ -156,9 +156,7 @@ fn scatter<const NODES: usize, const L: usize>(
 #[inline(always)]
 fn take_share<const NODES: usize, const L: usize>(out: &mut [Lane3<L>; NODES], share: &Lane<L>) {
     for force in out.iter_mut().flatten() {
-        for l in 0..L {
-            force[l] *= share[l];
-        }
+        *force *= *share;
     }
 }
 
@@ -259,11 +257,9 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
         if let Some(heating) = &self.common.heating {
             let (share, absorbed, volume) =
                 (heating.share(block), heating.absorbed(block), self.blocks[block].volume());
-            for l in 0..LANES {
-                energies.stored[l] *= share[l];
-                energies.hourglass[l] *= share[l];
-                energies.absorbed[l] = volume[l] * absorbed[l];
-            }
+            energies.stored *= *share;
+            energies.hourglass *= *share;
+            energies.absorbed = volume * absorbed;
         }
         energies
     }
@@ -282,11 +278,9 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
             // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
             let energies = self.warm_energies(width, b, &self.gather(b, position));
             let share = self.common.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
-            for l in 0..LANES {
-                sums.stored[l] += share[l] * energies.stored[l];
-                sums.absorbed[l] += share[l] * energies.absorbed[l];
-                sums.hourglass[l] += share[l] * energies.hourglass[l];
-            }
+            sums.stored += share * energies.stored;
+            sums.absorbed += share * energies.absorbed;
+            sums.hourglass += share * energies.hourglass;
         }
         ElementEnergy {
             stored: of_lanes(sums.stored),
@@ -305,8 +299,8 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
             let energies = block_energies(width, block, &**law, None, &x);
             let volume = block.volume();
             // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
-            let density = |l: usize| (energies.stored[l] + energies.absorbed[l]) / volume[l];
-            viscous.count_mounting(b, lanes(|l| if volume[l] == 0.0 { 0.0 } else { density(l) }));
+            let density = (energies.stored + energies.absorbed) / volume;
+            viscous.count_mounting(b, volume.equals(0.0).select(0.0, density));
         }
     }
 
@@ -318,15 +312,13 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
             let bound = block_stiffness(width, block, &*self.law, self.viscous_block(b), &self.gather(b, position));
             let (volume, share) = (block.volume(), self.common.share(b));
             let factor = self.common.mass_factors.get(b).copied().unwrap_or(splat(1.0));
-            for l in 0..LANES {
-                // Lumped masses are equal, so the bound of the element is that of its stiffness over one of them.
-                let squared = share[l] * bound[l] * NODES as f64 / (density * factor[l] * volume[l]);
-                // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
-                let settled = (volume[l] == 0.0) | (squared <= largest[l]) | largest[l].is_nan();
-                largest[l] = if settled { largest[l] } else { squared };
-            }
+            // Lumped masses are equal, so the bound of the element is that of its stiffness over one of them.
+            let squared = share * bound * NODES as f64 / (density * factor * volume);
+            // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
+            let settled = volume.equals(0.0) | squared.at_most(largest) | largest.is_nan();
+            largest = settled.select(largest, squared);
         }
-        largest.into_iter().fold(0.0, |most, squared| if squared <= most || most.is_nan() { most } else { squared })
+        largest.iter().fold(0.0, |most, &squared| if squared <= most || most.is_nan() { most } else { squared })
     }
 
     /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and

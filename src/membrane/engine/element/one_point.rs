@@ -58,51 +58,44 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
     fn shape<const SKEWED: bool>(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
         let mut f = [[splat(0.0); 3]; 2];
         let mut q = [splat(0.0); 3];
+        let [b0, b1] = self.gradient;
         for axis in 0..3 {
-            for l in 0..L {
-                // At the centre, gradients of opposite nodes are opposite: diagonals take the place of four nodes, with
-                // half of the products.
-                let (first, second) = (x[0][axis][l] - x[2][axis][l], x[1][axis][l] - x[3][axis][l]);
-                let mode = 0.25 * ((x[0][axis][l] + x[2][axis][l]) - (x[1][axis][l] + x[3][axis][l]));
-                let skewed = if SKEWED { self.skew[0][l] * first + self.skew[1][l] * second } else { 0.0 };
-                q[axis][l] = mode - skewed;
-                for fibre in 0..2 {
-                    f[fibre][axis][l] = self.gradient[0][fibre][l] * first + self.gradient[1][fibre][l] * second;
-                }
+            // At the centre, gradients of opposite nodes are opposite: diagonals take the place of four nodes, with half of
+            // the products.
+            let (d0, d1) = (x[0][axis] - x[2][axis], x[1][axis] - x[3][axis]);
+            q[axis] = 0.25 * ((x[0][axis] + x[2][axis]) - (x[1][axis] + x[3][axis]));
+            if SKEWED {
+                q[axis] -= self.skew[0] * d0 + self.skew[1] * d1;
             }
+            f[0][axis] = b0[0] * d0 + b1[0] * d1;
+            f[1][axis] = b0[1] * d0 + b1[1] * d1;
         }
         let squared = dot(&q, &q);
-        let mut mean_square = [splat(0.0); 2];
-        let mut stretch_variance = [splat(0.0); 2];
-        for fibre in 0..2 {
-            for l in 0..L {
-                let [first, second] = [self.gradient[0][fibre][l], self.gradient[1][fibre][l]];
-                // H_I of equation 13, whose ∂ξ/∂X are combinations of the gradients of the first two nodes.
-                mean_square[fibre][l] = (8.0 / 3.0) * (first * first + second * second);
-                stretch_variance[fibre][l] = mean_square[fibre][l] * squared[l];
-            }
-        }
+        // H_I of equation 13, whose ∂ξ/∂X are combinations of the gradients of the first two nodes.
+        let mean_square = [0, 1].map(|i| (8.0 / 3.0) * (b0[i] * b0[i] + b1[i] * b1[i]));
+        let stretch_variance = [mean_square[0] * squared, mean_square[1] * squared];
         Shape { deformation: Deformation { f, stretch_variance }, q, mean_square }
     }
 
     /// Forces on the nodes by `stress` and the hourglass force `h`.
     #[inline(always)]
     fn scatter<const SKEWED: bool>(&self, stress: &Stress<L>, h: &Lane3<L>, out: &mut [Lane3<L>; 4]) {
+        let [b0, b1] = self.gradient;
         for axis in 0..3 {
-            for l in 0..L {
-                let (vp, vq) = (self.volume[l] * stress.p[0][axis][l], self.volume[l] * stress.p[1][axis][l]);
-                let mode = h[axis][l];
-                let skewed = |a: usize| if SKEWED { self.skew[a][l] * mode } else { 0.0 };
-                // Forces on opposite nodes differ in the sign of this part alone, so it is computed for two nodes, and
-                // momentum is conserved.
-                let first = self.gradient[0][0][l] * vp + self.gradient[0][1][l] * vq - skewed(0);
-                let second = self.gradient[1][0][l] * vp + self.gradient[1][1][l] * vq - skewed(1);
-                let quarter = 0.25 * mode;
-                out[0][axis][l] = -first - quarter;
-                out[1][axis][l] = quarter - second;
-                out[2][axis][l] = first - quarter;
-                out[3][axis][l] = quarter + second;
+            let (vp, vq) = (self.volume * stress.p[0][axis], self.volume * stress.p[1][axis]);
+            // Forces on opposite nodes differ in the sign of this part alone, so it is computed for two nodes, and momentum
+            // is conserved.
+            let mut first = b0[0] * vp + b0[1] * vq;
+            let mut second = b1[0] * vp + b1[1] * vq;
+            if SKEWED {
+                first -= self.skew[0] * h[axis];
+                second -= self.skew[1] * h[axis];
             }
+            let quarter = 0.25 * h[axis];
+            out[0][axis] = -first - quarter;
+            out[1][axis] = quarter - second;
+            out[2][axis] = first - quarter;
+            out[3][axis] = quarter + second;
         }
     }
 }
@@ -114,32 +107,24 @@ impl<const L: usize> Shape<L> {
     #[inline(always)]
     fn hourglass_force(
         &self,
-        volume: &Lane<L>,
+        volume: Lane<L>,
         stress: &mut Stress<L>,
         stabilisation: [f64; 2],
         left: [&Lane<L>; 2],
     ) -> Lane3<L> {
-        let f = &self.deformation.f;
-        let mut stabilising = [dot(&f[0], &self.q), dot(&f[1], &self.q)];
-        let mut tension = splat::<L>(0.0);
-        for fibre in 0..2 {
-            for l in 0..L {
-                // Broken fibres stabilise nothing, as otherwise torn film would keep a stiffness against the hourglass
-                // mode.
-                stabilising[fibre][l] *= stabilisation[fibre] * self.mean_square[fibre][l] * left[fibre][l];
-                tension[l] += self.mean_square[fibre][l] * stress.tension[fibre][l];
-            }
-        }
-        let mut h = [splat(0.0); 3];
+        let (f, square) = (&self.deformation.f, self.mean_square);
+        // Broken fibres stabilise nothing, as otherwise torn film would keep a stiffness against the hourglass mode.
+        let s0 = dot(&f[0], &self.q) * (stabilisation[0] * square[0] * *left[0]);
+        let s1 = dot(&f[1], &self.q) * (stabilisation[1] * square[1] * *left[1]);
+        let tension = square[0] * stress.tension[0] + square[1] * stress.tension[1];
+        let mut h = self.q;
         for axis in 0..3 {
-            for l in 0..L {
-                let along = stabilising[0][l] * f[0][axis][l] + stabilising[1][l] * f[1][axis][l];
-                h[axis][l] = volume[l] * (tension[l] * self.q[axis][l] + along);
-                // Second half of equation 14: the energy depends on f_I as well, and without this part it would not be
-                // conserved.
-                stress.p[0][axis][l] += stabilising[0][l] * self.q[axis][l];
-                stress.p[1][axis][l] += stabilising[1][l] * self.q[axis][l];
-            }
+            let q = self.q[axis];
+            h[axis] = volume * (tension * q + (s0 * f[0][axis] + s1 * f[1][axis]));
+            // Second half of equation 14: the energy depends on f_I as well, and without this part it would not be
+            // conserved.
+            stress.p[0][axis] += s0 * q;
+            stress.p[1][axis] += s1 * q;
         }
         h
     }
@@ -183,7 +168,7 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
             viscous.advance(measure, 0, &shape.deformation, &mut stress);
         }
         let left = [self.history.left(0), self.history.left(1)];
-        let h = shape.hourglass_force(&self.volume, &mut stress, stabilisation(law), left);
+        let h = shape.hourglass_force(self.volume, &mut stress, stabilisation(law), left);
         if self.skewed {
             self.scatter::<true>(&stress, &h, out);
         } else {
@@ -199,45 +184,33 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
         let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
-        let mut out = BlockEnergies::NONE;
-        for l in 0..L {
-            let stabilising = |i: usize| {
-                0.5 * stabilisation[i] * shape.mean_square[i][l] * along[i][l] * along[i][l] * self.history.left(i)[l]
-            };
-            out.stored[l] = self.volume[l] * energy.stored[l];
-            out.absorbed[l] = self.volume[l] * energy.absorbed[l];
-            out.hourglass[l] = self.volume[l] * (stabilising(0) + stabilising(1));
+        let stabilising =
+            |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i] * along[i] * along[i] * *self.history.left(i);
+        BlockEnergies {
+            stored: self.volume * energy.stored,
+            absorbed: self.volume * energy.absorbed,
+            hourglass: self.volume * (stabilising(0) + stabilising(1)),
         }
-        out
     }
 
     #[inline(always)]
     fn stiffness(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> Lane<L> {
         let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
-        let mut g = [[splat(0.0); 2]; 2];
-        let mut modes = splat::<L>(0.0);
-        for l in 0..L {
-            let b = |a: usize, i: usize| self.gradient[a][i][l];
-            for (i, j) in [(0, 0), (0, 1), (1, 1)] {
-                g[i][j][l] = 2.0 * (b(0, i) * b(0, j) + b(1, i) * b(1, j));
-            }
-            let skewed = self.skew[0][l] * self.skew[0][l] + self.skew[1][l] * self.skew[1][l];
-            // Σ γ_a² over the four nodes, from equation 11 with opposite gradients.
-            modes[l] = 0.25 + 2.0 * skewed;
-        }
+        let [b0, b1] = self.gradient;
+        let metric = |i: usize, j: usize| 2.0 * (b0[i] * b0[j] + b1[i] * b1[j]);
+        let g = [[metric(0, 0), metric(0, 1)], [metric(0, 1), metric(1, 1)]];
+        // Σ γ_a² over the four nodes, from equation 11 with opposite gradients.
+        let modes = 0.25 + 2.0 * (self.skew[0] * self.skew[0] + self.skew[1] * self.skew[1]);
         let mut bound = point_stiffness(law, viscous, 0, &shape.deformation, &self.history).eigenvalue_bound(&g);
         let stabilisation = stabilisation(law);
-        let (squares, amplitude) = ([dot(&f[0], &f[0]), dot(&f[1], &f[1])], dot(&shape.q, &shape.q));
-        for l in 0..L {
-            for i in 0..2 {
-                // The two parts of the gradient of f_I·q, each doubled for the product of both.
-                let moved = squares[i][l] * modes[l] + amplitude[l] * g[i][i][l];
-                bound[l] += 2.0 * stabilisation[i] * shape.mean_square[i][l] * moved * self.history.left(i)[l];
-            }
-            bound[l] *= self.volume[l];
+        let amplitude = dot(&shape.q, &shape.q);
+        for i in 0..2 {
+            // The two parts of the gradient of f_I·q, each doubled for the product of both.
+            let moved = dot(&f[i], &f[i]) * modes + amplitude * g[i][i];
+            bound += 2.0 * stabilisation[i] * shape.mean_square[i] * moved * *self.history.left(i);
         }
-        bound
+        bound * self.volume
     }
 
     #[inline(always)]

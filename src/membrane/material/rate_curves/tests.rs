@@ -1,10 +1,10 @@
 //! Curves by strain rate under prescribed strain.
 
-use crate::lane::one;
 use super::super::fibre::FibreLaw;
 use super::super::history::FibreHistory;
 use super::super::{Absorption, Curve};
 use super::{RateCurves, RateCurvesError, RateHistory};
+use crate::lane::one;
 
 const AVERAGING_STRAIN: f64 = 0.01;
 const RATES: [f64; 3] = [0.04, 4.0, 100.0];
