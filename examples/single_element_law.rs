@@ -4,10 +4,8 @@
 //! energy W = ½ μ (C₁₁ + C₂₂ + 1/det C − 3). Stretched by λ along MD with its width held, its nominal stress is
 //! p₁ = μ (λ − λ⁻³).
 
-use std::array::from_fn;
-
 use droptower::engine::{Patch, StressFree, Vectors};
-use droptower::lane::{Lane, Width, dot, splat};
+use droptower::lane::{Lane, Width, splat};
 use droptower::material::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
 use droptower::mesh::Mesh;
 use nalgebra::Point3;
@@ -15,11 +13,10 @@ use nalgebra::Point3;
 /// The film; μ in Pa.
 struct NeoHookean(f64);
 
-/// C₁₁, C₂₂, C₁₂ and 1/det C; the stretch variance counts as stretch.
+/// C₁₁, C₂₂, C₁₂ and 1/det C.
 fn right_cauchy_green<const L: usize>(d: &Deformation<L>) -> [Lane<L>; 4] {
-    let square = |i: usize| from_fn(|l| dot(&d.f[i], &d.f[i])[l] + d.stretch_variance[i][l]);
-    let (c11, c22, c12): (Lane<L>, Lane<L>, Lane<L>) = (square(0), square(1), dot(&d.f[0], &d.f[1]));
-    [c11, c22, c12, from_fn(|l| 1.0 / (c11[l] * c22[l] - c12[l] * c12[l]))]
+    let [c11, c22, c12] = d.metric();
+    [c11, c22, c12, 1.0 / (c11 * c22 - c12 * c12)]
 }
 
 impl MembraneLaw for NeoHookean {
@@ -27,29 +24,28 @@ impl MembraneLaw for NeoHookean {
 
     fn stress<const L: usize>(&self, d: &Deformation<L>, _: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
         let [c11, c22, c12, inverse] = right_cauchy_green(d);
-        let tension = [c22, c11].map(|other| from_fn(|l| self.0 * (1.0 - other[l] * inverse[l].powi(2))));
-        let cross: Lane<L> = from_fn(|l| self.0 * c12[l] * inverse[l].powi(2));
-        let p = |i: usize, axis: usize, l: usize| tension[i][l] * d.f[i][axis][l] + cross[l] * d.f[1 - i][axis][l];
-        Stress { p: [0, 1].map(|i| [0, 1, 2].map(|axis| from_fn(|l| p(i, axis, l)))), tension, cross }
+        let square = inverse * inverse;
+        let tension = [self.0 * (1.0 - c22 * square), self.0 * (1.0 - c11 * square)];
+        Stress::of_metric(d, tension, self.0 * c12 * square)
     }
 
     fn energy<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Energy<L> {
         let [c11, c22, _, inverse] = right_cauchy_green(d);
-        Energy { stored: from_fn(|l| 0.5 * self.0 * (c11[l] + c22[l] + inverse[l] - 3.0)), absorbed: splat(0.0) }
+        Energy { stored: 0.5 * self.0 * (c11 + c22 + inverse - 3.0), absorbed: splat(0.0) }
     }
 
     /// From d²(1/det C) ≤ 6 |b₁ f₂ − b₂ f₁|²/(det C)² along every motion b ⊗ n of unit size.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Stiffness<L> {
         let [c11, c22, c12, inverse] = right_cauchy_green(d);
-        let bound = |c: Lane<L>| from_fn(|l| 3.0 * self.0 * c[l].abs() * inverse[l].powi(2));
+        let bound = |c: Lane<L>| 3.0 * self.0 * c.abs() * inverse * inverse;
         let (along, across) = ([c22, c11].map(bound), [splat(self.0); 2]);
         Stiffness { along, across, shear: bound(c12), alignment: splat(1.0), ..Stiffness::in_any_direction(splat(0.0)) }
     }
 
     /// 1/√det C, from the stress alone.
     fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, s: &Stress<L>) -> Lane<L> {
-        let ratio = |l: usize| [s.tension[0][l], s.tension[1][l], s.cross[l]].map(|stress| stress / self.0);
-        from_fn(ratio).map(|[t1, t2, cross]| ((1.0 - t1) * (1.0 - t2) - cross * cross).powf(1.0 / 6.0))
+        let [t1, t2, cross] = [s.tension[0], s.tension[1], s.cross].map(|stress| stress / self.0);
+        (((1.0 - t1) * (1.0 - t2) - cross * cross).ln() / 6.0).exp()
     }
 
     fn moduli(&self) -> [f64; 2] {

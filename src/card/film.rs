@@ -69,9 +69,8 @@ impl Request {
         const STRETCH: f64 = 3.0;
         const RANGE: [f64; 2] = [0.4995, 0.49999];
         self.poisson.unwrap_or_else(|| {
-            let nominal =
-                Law::Hyperelastic(law.clone()).virgin_stress([[[STRETCH], [0.0], [0.0]], [[0.0], [STRETCH], [0.0]]]);
-            let mean = 2.0 / 3.0 * STRETCH * nominal[0][0][0];
+            let nominal = Law::Hyperelastic(law.clone()).virgin_stress([[STRETCH, 0.0, 0.0], [0.0, STRETCH, 0.0]]);
+            let mean = 2.0 / 3.0 * STRETCH * nominal[0][0];
             let (bulk, shear) = (mean / MOST, shear_modulus(law));
             ((3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)).clamp(RANGE[0], RANGE[1])
         })

@@ -49,8 +49,8 @@ fn written(material: &Material, request: &Request) -> card::Card {
 
 /// Nominal stresses P₁₁, P₂₂ and P₁₂ of the law at F = [[a, s], [0, b]].
 fn nominal(law: &Law, [a, b]: [f64; 2], s: f64) -> [f64; 3] {
-    let p = law.virgin_stress([[[a], [0.0], [0.0]], [[s], [b], [0.0]]]);
-    [p[0][0][0], p[1][1][0], p[1][0][0]]
+    let p = law.virgin_stress([[a, 0.0, 0.0], [s, b, 0.0]]);
+    [p[0][0], p[1][1], p[1][0]]
 }
 
 fn close(found: f64, expected: f64, within: f64, what: &str) {

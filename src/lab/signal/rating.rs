@@ -320,9 +320,9 @@ impl Front {
 
     #[inline(always)]
     fn store(&mut self, from: usize, [cost, off, size]: Paths) {
-        self.cost[from..from + LANES].copy_from_slice(&cost);
-        self.off[from..from + LANES].copy_from_slice(&off);
-        self.size[from..from + LANES].copy_from_slice(&size);
+        self.cost[from..from + LANES].copy_from_slice(&*cost);
+        self.off[from..from + LANES].copy_from_slice(&*off);
+        self.size[from..from + LANES].copy_from_slice(&*size);
     }
 }
 
@@ -336,26 +336,16 @@ fn lane(values: &[f64], from: usize) -> Lane {
 /// The cheaper of two paths in each lane, the first of equally cheap ones.
 #[inline(always)]
 fn cheaper(first: Paths, second: Paths) -> Paths {
-    let mut paths = first;
-    for l in 0..LANES {
-        let better = second[0][l] < first[0][l];
-        for k in 0..3 {
-            paths[k][l] = if better { second[k][l] } else { first[k][l] };
-        }
-    }
-    paths
+    let better = second[0].below(first[0]);
+    let of = |k: usize| better.select(second[k], first[k]);
+    [of(0), of(1), of(2)]
 }
 
 /// The paths, extended by one pair of samples.
 #[inline(always)]
-fn step(mut paths: Paths, comparison: Lane, reference: Lane) -> Paths {
-    for l in 0..LANES {
-        let difference = comparison[l] - reference[l];
-        paths[0][l] += difference * difference;
-        paths[1][l] += difference.abs();
-        paths[2][l] += reference[l].abs();
-    }
-    paths
+fn step([cost, off, size]: Paths, comparison: Lane, reference: Lane) -> Paths {
+    let difference = comparison - reference;
+    [cost + difference * difference, off + difference.abs(), size + reference.abs()]
 }
 
 /// |off|₁/|size|₁; infinite where only `size` is zero.

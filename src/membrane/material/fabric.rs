@@ -226,7 +226,6 @@ fn of_both_left<const L: usize>(value: Lane<L>, left: &[Lane<L>; 2]) -> Lane<L> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::one;
     use crate::material::{History, RateCurves};
 
     /// In pure tension the first Piola–Kirchhoff stress is the nominal stress of the curve.
@@ -236,12 +235,12 @@ mod tests {
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let film = Fabric::new(md.clone(), td.clone(), Curve::new(vec![[1.0, 1e7]]).unwrap(), 0.9);
         for strain in [0.1, 0.26, 0.5, 1.0, 1.39] {
-            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| v.map(one));
+            let f = [[1.0 + strain, 0.0, 0.0], [0.0, 1.0, 0.0]];
             assert!(
                 (film.stress(&f.into(), &mut History::virgin(), 0.0).p[0][0][0] / md.stress(strain) - 1.0).abs()
                     < 1e-14
             );
-            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]].map(|v| v.map(one));
+            let f = [[1.0, 0.0, 0.0], [0.0, 1.0 + strain, 0.0]];
             assert!(
                 (film.stress(&f.into(), &mut History::virgin(), 0.0).p[1][1][0] / td.stress(strain) - 1.0).abs()
                     < 1e-14
@@ -257,7 +256,7 @@ mod tests {
         let td = Curve::new(vec![[0.33, 8e6], [0.69, 10e6], [7.01, 16.2e6]]).unwrap();
         let shear = Curve::new(vec![[1.0, 1e7]]).unwrap();
         let stress = |law: &dyn Fn(&Deformation<1>) -> Stress<1>, [first, second]: [f64; 2]| {
-            let f = [[1.0 + first, 0.0, 0.0], [0.0, 1.0 + second, 0.0]].map(|v| v.map(one));
+            let f = [[1.0 + first, 0.0, 0.0], [0.0, 1.0 + second, 0.0]];
             let p = law(&f.into()).p;
             [p[0][0][0], p[1][1][0]]
         };

@@ -52,7 +52,7 @@ pub use viscous::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{LANES, Lane, Lane3, dot, splat};
+use crate::lane::{LANES, Lane, Lane3, dot, one, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
@@ -75,10 +75,17 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
     }
 }
 
+impl From<[[f64; 3]; 2]> for Deformation<1> {
+    /// A uniform gradient at one point.
+    fn from(f: [[f64; 3]; 2]) -> Deformation<1> {
+        Deformation::from(f.map(|f| f.map(one)))
+    }
+}
+
 impl<const L: usize> Deformation<L> {
     /// C₁₁, C₂₂ and C₁₂ (theory.md, equation 13).
     #[inline(always)]
-    pub(crate) fn metric(&self) -> [Lane<L>; 3] {
+    pub fn metric(&self) -> [Lane<L>; 3] {
         let [f1, f2] = &self.f;
         let mut c = [dot(f1, f1), dot(f2, f2), dot(f1, f2)];
         c[0] += self.stretch_variance[0];
@@ -100,7 +107,7 @@ pub struct Stress<const L: usize> {
 impl<const L: usize> Stress<L> {
     /// Stress at `d` of a law with these derivatives of its energy by the metric, Pa: 2 ∂W/∂|f_I|² and ∂W/∂(f₁·f₂).
     #[inline(always)]
-    pub(crate) fn of_metric(d: &Deformation<L>, tension: [Lane<L>; 2], cross: Lane<L>) -> Stress<L> {
+    pub fn of_metric(d: &Deformation<L>, tension: [Lane<L>; 2], cross: Lane<L>) -> Stress<L> {
         let [f1, f2] = &d.f;
         let along = |s: Lane<L>, own: &Lane3<L>, other: &Lane3<L>| {
             [s * own[0] + cross * other[0], s * own[1] + cross * other[1], s * own[2] + cross * other[2]]
@@ -313,21 +320,22 @@ impl Law {
         self.visit(Viscous)
     }
 
-    /// First Piola–Kirchhoff stress of virgin film at the gradient `f`, reached slowly, Pa of one layer.
-    pub fn virgin_stress(&self, f: Gradient<1>) -> Gradient<1> {
+    /// First Piola–Kirchhoff stress ∂W/∂f₁, ∂W/∂f₂ of virgin film at the gradient f₁, f₂, reached slowly, Pa of one layer.
+    pub fn virgin_stress(&self, f: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
         struct VirginStress(Deformation<1>);
         impl LawVisitor for VirginStress {
-            type Output = Gradient<1>;
+            type Output = [[f64; 3]; 2];
 
-            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Gradient<1> {
-                law.stress(&self.0, &mut History::virgin(), 0.0).p
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> [[f64; 3]; 2] {
+                let stress = law.stress(&self.0, &mut History::virgin(), 0.0);
+                stress.p.map(|p| p.map(|component| component[0]))
             }
         }
         self.visit(VirginStress(f.into()))
     }
 
     /// Energy stored and absorbed in virgin film at the gradient `f`, reached slowly, J/m³.
-    pub fn virgin_energy(&self, f: Gradient<1>) -> f64 {
+    pub fn virgin_energy(&self, f: [[f64; 3]; 2]) -> f64 {
         struct VirginEnergy(Deformation<1>);
         impl LawVisitor for VirginEnergy {
             type Output = f64;

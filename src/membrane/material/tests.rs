@@ -84,7 +84,7 @@ pub(super) fn check_derivative(law: &impl MembraneLaw<History<1> = PeakStrains<1
 fn strained([md, td, shear]: [f64; 3]) -> Deformation<1> {
     let (sine, cosine) = shear.sin_cos();
     let (first, second) = (1.0 + md, 1.0 + td);
-    Deformation::from([[first, 0.0, 0.0], [second * sine, second * cosine, 0.0]].map(|f| f.map(splat)))
+    Deformation::from([[first, 0.0, 0.0], [second * sine, second * cosine, 0.0]])
 }
 
 /// Central differences of the energy by the strains against the nominal stresses.

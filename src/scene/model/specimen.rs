@@ -10,7 +10,6 @@ use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::diagnostic::shown_path;
 use base::number::significant;
 use base::units::Length;
-use membrane::lane::splat;
 use membrane::material::{Criterion, Curve, Law, LayerBreaks, Material};
 
 /// The specimen in SI values; none where the file of its mesh is missing.
@@ -348,9 +347,8 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
         let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
-        let stress =
-            face.material.law.virgin_stress([[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]]);
-        if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress[0].is_finite()) {
+        let stress = face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]]);
+        if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress.is_finite()) {
             let message = "pre-strain stretches the film beyond the limit of its law";
             mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
             continue;
@@ -385,11 +383,11 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
 fn torn(face: &Face) -> Option<String> {
     let rupture = face.material.rupture.filter(|_| face.material.viscosity.is_none())?;
     let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
-    let gradient = [[splat(md), splat(0.0), splat(0.0)], [splat(0.0), splat(td), splat(0.0)]];
+    let gradient = [[md, 0.0, 0.0], [0.0, td, 0.0]];
     let (value, what, unit) = match rupture.criterion {
         Criterion::Stress => {
             let stress = face.material.law.virgin_stress(gradient);
-            (stress[0][0][0].max(stress[1][1][0]), "stress", "Pa")
+            (stress[0][0].max(stress[1][1]), "stress", "Pa")
         }
         Criterion::Energy => (face.material.law.virgin_energy(gradient), "energy", "J/m3"),
         Criterion::Strain | Criterion::FibreStrain | Criterion::Break => return None,

@@ -311,7 +311,7 @@ mod tests {
             nodes.hold([42], [true, false, false]);
             let mut active = splat(0.0);
             (0..3).for_each(|l| active[l] = 1.0);
-            let impulse = [active.map(|a| 4.0 * a), active.map(|a| 6.0 * a), splat(0.0)];
+            let impulse = [4.0 * active, 6.0 * active, splat(0.0)];
             // SAFETY: there is one thread.
             unsafe { nodes.correction().apply_impulses(&group, &active, &impulse, 0.5) };
             for n in 0..60 {

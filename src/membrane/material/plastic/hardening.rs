@@ -123,7 +123,7 @@ impl FlowCurve {
 
     #[inline(always)]
     pub(super) fn flow<const L: usize>(&self, p: Lane<L>) -> Flow<L> {
-        let [rise, slope] = self.rise.tangent(&p);
+        let [rise, slope] = self.rise.tangent(p);
         Flow { stress: self.initial + rise, slope }
     }
 }
@@ -166,7 +166,7 @@ impl Hardening {
     #[inline(always)]
     pub(super) fn work<const L: usize>(&self, p: Lane<L>) -> Lane<L> {
         match self {
-            Hardening::Table(FlowCurve { initial, rise, .. }) => *initial * p + rise.read(&p).energy,
+            Hardening::Table(FlowCurve { initial, rise, .. }) => *initial * p + rise.read(p).energy,
             &Hardening::Voce(Voce { initial, saturation, rate }) => {
                 saturation * p - (saturation - initial) * (1.0 - (-rate * p).exp()) / rate
             }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::FlowCurve;
 use super::hardening::Flow;
-use crate::lane::{Lane, lanes, ln, one, splat};
+use crate::lane::{Lane, ln, one, splat};
 use crate::material::log_interval::LogInterval;
 
 /// Dependence of the flow stress on the rate ṗ of the equivalent plastic strain.
@@ -141,7 +141,7 @@ impl RateTable {
         let (mut below, mut slope) = (slow.stress, slow.slope);
         for Step { interval, curve, .. } in &self.steps {
             let above = curve.flow(p);
-            let weight = lanes(|l| interval.weight(log_rate[l]));
+            let weight = interval.weight(log_rate);
             let rise = above.stress - below;
             out.stress += weight * rise;
             out.by_strain += weight * (above.slope - slope);

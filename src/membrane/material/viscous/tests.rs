@@ -65,7 +65,7 @@ fn series(terms: &[[f64; 2]]) -> Viscosity {
 
 /// Film with the tangent vectors (a, 0, 0) and (b, c, 0).
 fn plane(a: f64, b: f64, c: f64) -> Deformation<1> {
-    Deformation::from([[a, 0.0, 0.0], [b, c, 0.0]].map(|f| f.map(splat)))
+    Deformation::from([[a, 0.0, 0.0], [b, c, 0.0]])
 }
 
 fn elastic() -> Elastic {

@@ -119,5 +119,5 @@ fn tension_at_most(face: &Face, stretch: f64) -> f64 {
 /// Mean stress of a face, Pa, that is stretched in all directions by `stretch` beyond its pre-strain.
 fn tension(face: &Face, stretch: f64) -> f64 {
     let p = mount::of_face(face, stretch);
-    0.5 * (p[0][0][0] + p[1][1][0])
+    0.5 * (p[0][0] + p[1][1])
 }

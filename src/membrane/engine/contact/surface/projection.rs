@@ -202,9 +202,8 @@ mod tests {
     fn lanes_agree_with_the_projection_of_parry() {
         for surface in test_shapes() {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
-            let arm: Lane3 = [0, 1, 2].map(|axis| {
-                std::array::from_fn(|l| surface.size() * (0.3 + 0.11 * l as f64) * [0.6, -0.5, -0.9][axis])
-            });
+            let arm: Lane3 = [0, 1, 2]
+                .map(|axis| crate::lane::lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * [0.6, -0.5, -0.9][axis]));
             let (distance, normal) = surface.project_lanes(&pose, &arm, &splat(1.0));
             for l in 0..LANES {
                 let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
