@@ -2,7 +2,8 @@
 //!
 //! A kernel reads as its equation: [`Lane`] has the operators of a number, and a comparison gives a [`Mask`] that selects
 //! between two values instead of a branch. Each operation is a loop over an array, which the compiler turns into vector
-//! instructions of whatever width it may use. Every lane runs the same IEEE operations in the same order, so a result
+//! instructions of whatever width it may use: kernels have functions with `#[inline(always)]` and neither closures over lanes
+//! nor an array's own `map`, which may be compiled apart, without these instructions. Every lane runs the same IEEE operations in the same order, so a result
 //! depends neither on that width nor on the number of lanes.
 
 use std::ops::{
@@ -219,13 +220,17 @@ impl<const L: usize> Mask<L> {
     /// Whether it holds in any lane.
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.0.iter().fold(false, |any, holds| any | holds)
+        let mut any = false;
+        for l in 0..L {
+            any |= self.0[l];
+        }
+        any
     }
 
     /// Whether it holds in every lane.
     #[inline(always)]
     pub fn all(self) -> bool {
-        self.0.iter().fold(true, |all, holds| all & holds)
+        !(!self).any()
     }
 }
 
@@ -405,6 +410,12 @@ fn mask<const L: usize>(holds: impl Fn(usize) -> bool) -> Mask<L> {
 #[inline(always)]
 pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a u + b v in each lane.
+#[inline(always)]
+pub fn combine<const L: usize>(a: Lane<L>, u: &Lane3<L>, b: Lane<L>, v: &Lane3<L>) -> Lane3<L> {
+    [a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]]
 }
 
 /// Vector product in each lane.

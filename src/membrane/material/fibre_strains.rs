@@ -1,7 +1,7 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
 use super::{Deformation, Stress, Stresses};
-use crate::lane::Lane;
+use crate::lane::{Lane, splat};
 
 /// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
@@ -37,10 +37,13 @@ fn angle_over_sine<const L: usize>(cosine: Lane<L>) -> Lane<L> {
     let t = cosine - CENTRE;
     let t2 = t * t;
     let t4 = t2 * t2;
-    let pair = |k: usize| ANGLE_OVER_SINE[2 * k] + ANGLE_OVER_SINE[2 * k + 1] * t;
-    let four = |k: usize| pair(2 * k) + pair(2 * k + 1) * t2;
-    let eight = |k: usize| four(2 * k) + four(2 * k + 1) * t4;
-    eight(0) + eight(1) * (t4 * t4)
+    let mut eights = [splat(0.0); 2];
+    for (eight, c) in eights.iter_mut().zip(ANGLE_OVER_SINE.chunks_exact(8)) {
+        let low = (c[0] + c[1] * t) + (c[2] + c[3] * t) * t2;
+        let high = (c[4] + c[5] * t) + (c[6] + c[7] * t) * t2;
+        *eight = low + high * t4;
+    }
+    eights[0] + eights[1] * (t4 * t4)
 }
 
 /// The fibres of a deformation.

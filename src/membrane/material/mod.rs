@@ -52,7 +52,7 @@ pub use viscous::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{LANES, Lane, Lane3, dot, one, splat};
+use crate::lane::{LANES, Lane, Lane3, combine, dot, one, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
@@ -109,10 +109,7 @@ impl<const L: usize> Stress<L> {
     #[inline(always)]
     pub fn of_metric(d: &Deformation<L>, tension: [Lane<L>; 2], cross: Lane<L>) -> Stress<L> {
         let [f1, f2] = &d.f;
-        let along = |s: Lane<L>, own: &Lane3<L>, other: &Lane3<L>| {
-            [s * own[0] + cross * other[0], s * own[1] + cross * other[1], s * own[2] + cross * other[2]]
-        };
-        Stress { p: [along(tension[0], f1, f2), along(tension[1], f2, f1)], tension, cross }
+        Stress { p: [combine(tension[0], f1, cross, f2), combine(tension[1], f2, cross, f1)], tension, cross }
     }
 }
 

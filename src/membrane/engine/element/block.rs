@@ -253,6 +253,7 @@ pub(super) fn point_stiffness<M: MembraneLaw, const L: usize>(
 #[inline(always)]
 pub(super) fn is_beyond<M: MembraneLaw, const L: usize>(law: &M, history: &M::History<L>, volume: &Lane<L>) -> bool {
     let limits = law.break_strains::<L>(history);
-    let of = |fibre: usize| history.peak(fibre).above(limits[fibre]) & history.left(fibre).above(0.0);
-    (volume.above(0.0) & (of(0) | of(1))).any()
+    let md = history.peak(0).above(limits[0]) & history.left(0).above(0.0);
+    let td = history.peak(1).above(limits[1]) & history.left(1).above(0.0);
+    (volume.above(0.0) & (md | td)).any()
 }

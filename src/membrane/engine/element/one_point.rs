@@ -72,7 +72,8 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
         }
         let squared = dot(&q, &q);
         // H_I of equation 13, whose ∂ξ/∂X are combinations of the gradients of the first two nodes.
-        let mean_square = [0, 1].map(|i| (8.0 / 3.0) * (b0[i] * b0[i] + b1[i] * b1[i]));
+        let mean_square =
+            [(8.0 / 3.0) * (b0[0] * b0[0] + b1[0] * b1[0]), (8.0 / 3.0) * (b0[1] * b0[1] + b1[1] * b1[1])];
         let stretch_variance = [mean_square[0] * squared, mean_square[1] * squared];
         Shape { deformation: Deformation { f, stretch_variance }, q, mean_square }
     }
@@ -183,13 +184,15 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
         let energy = point_energy(law, viscous, 0, &shape.deformation, &self.history);
         let stabilisation = stabilisation(law);
         let f = &shape.deformation.f;
-        let along = [dot(&f[0], &shape.q), dot(&f[1], &shape.q)];
-        let stabilising =
-            |i: usize| 0.5 * stabilisation[i] * shape.mean_square[i] * along[i] * along[i] * *self.history.left(i);
+        let mut stabilising = splat(0.0);
+        for i in 0..2 {
+            let along = dot(&f[i], &shape.q);
+            stabilising += 0.5 * stabilisation[i] * shape.mean_square[i] * along * along * *self.history.left(i);
+        }
         BlockEnergies {
             stored: self.volume * energy.stored,
             absorbed: self.volume * energy.absorbed,
-            hourglass: self.volume * (stabilising(0) + stabilising(1)),
+            hourglass: self.volume * stabilising,
         }
     }
 
@@ -198,8 +201,8 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
         let shape = self.shape::<true>(x);
         let f = &shape.deformation.f;
         let [b0, b1] = self.gradient;
-        let metric = |i: usize, j: usize| 2.0 * (b0[i] * b0[j] + b1[i] * b1[j]);
-        let g = [[metric(0, 0), metric(0, 1)], [metric(0, 1), metric(1, 1)]];
+        let between = 2.0 * (b0[0] * b0[1] + b1[0] * b1[1]);
+        let g = [[2.0 * (b0[0] * b0[0] + b1[0] * b1[0]), between], [between, 2.0 * (b0[1] * b0[1] + b1[1] * b1[1])]];
         // Σ γ_a² over the four nodes, from equation 11 with opposite gradients.
         let modes = 0.25 + 2.0 * (self.skew[0] * self.skew[0] + self.skew[1] * self.skew[1]);
         let mut bound = point_stiffness(law, viscous, 0, &shape.deformation, &self.history).eigenvalue_bound(&g);

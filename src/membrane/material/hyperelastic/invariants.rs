@@ -38,12 +38,12 @@ pub(super) fn stress<const L: usize>(c: &Squares<L>, slopes: &Slopes<L>) -> [Lan
 pub(super) fn tangent<const L: usize>(c: &Squares<L>, slopes: &Slopes<L>, curvatures: &[Lane<L>; 3]) -> Tangent<L> {
     let stress = stress(c, slopes);
     let [trace, mixed, det] = *curvatures;
-    let along = |i: usize| {
-        let other = c[1 - i];
-        stress[i] + 4.0 * c[i] * (trace + other * (2.0 * mixed + other * det))
-    };
+    let mut along = stress;
+    for (i, j) in [(0, 1), (1, 0)] {
+        along[i] += 4.0 * c[i] * (trace + c[j] * (2.0 * mixed + c[j] * det));
+    }
     let product = c[0] * c[1];
     let cross = trace + mixed * (c[0] + c[1]) + det * product + slopes[1];
     let between = 4.0 * product.sqrt() * cross;
-    Tangent { stress, along: [along(0), along(1)], between, shear: -2.0 * slopes[1] }
+    Tangent { stress, along, between, shear: -2.0 * slopes[1] }
 }

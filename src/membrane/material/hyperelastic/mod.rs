@@ -107,9 +107,12 @@ impl<const L: usize> Tangent<L> {
         let (mean, apart) = (0.5 * (first + second), 0.5 * (first - second));
         let stretched = mean + (apart * apart + self.between * self.between).sqrt();
         let sheared = self.stress[0] + ((c[0] * c[1]).sqrt() + c[1]) * self.shear;
-        // A NaN must propagate.
-        let larger = |a: Lane<L>, b: Lane<L>| a.at_most(b).select(b, a);
-        larger(larger(larger(stretched, sheared), self.stress[0]), self.stress[1])
+        let mut most = stretched;
+        for other in [sheared, self.stress[0], self.stress[1]] {
+            // A NaN must propagate.
+            most = most.at_most(other).select(other, most);
+        }
+        most
     }
 }
 

@@ -51,8 +51,8 @@ impl RateInterval {
             let [[start, first], [end, last]] = [piece[0], piece[1]];
             let slope = (last - first) / (end - start);
             let (a, b) = (from.max(start), to.min(end));
-            let size = |strain: Lane<L>| (first + slope * (strain - start)).abs();
-            largest = a.at_most(b).select(size(a).max(size(b)).max(largest), largest);
+            let (at_a, at_b) = ((first + slope * (a - start)).abs(), (first + slope * (b - start)).abs());
+            largest = a.at_most(b).select(at_a.max(at_b).max(largest), largest);
         }
         // Up to ℓ the averaging length is the strain itself, λ = min(ε_m, ℓ), so the bound is a secant there.
         let early = from.below(averaging_strain).select(self.secant, 0.0);

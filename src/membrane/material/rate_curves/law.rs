@@ -2,7 +2,7 @@
 
 use super::super::fibre::FibreLaw;
 use super::super::{Absorption, Curve};
-use super::{RateCurves, RateHistory, RateInterval};
+use super::{RateCurves, RateHistory};
 use crate::lane::{Lane, splat};
 
 impl RateCurves {
@@ -36,8 +36,8 @@ impl RateCurves {
         history.peak = strain.max(old.peak);
         let first = length.above(0.0).select(old.slowness, history.slowness);
         let (before, after) = (self.log_rate(first), self.log_rate(history.slowness));
-        let change = |strain: Lane<L>| self.energy_change(before, after, strain);
-        history.surplus -= 0.5 * (change(old.peak) + change(history.peak));
+        let (from, to) = (self.energy_change(before, after, old.peak), self.energy_change(before, after, history.peak));
+        history.surplus -= 0.5 * (from + to);
     }
 
     /// Energy of the present curve up to the largest strain, W(ε_m, r), J/m³.
@@ -130,10 +130,10 @@ impl FibreLaw for RateCurves {
     ) -> Lane<L> {
         // The rate grows by at most the factor e within λ, and from zero to any rate.
         let fastest = self.log_rate(history.slowness) + reach / history.peak.min(self.averaging_strain);
-        let reachable = |interval: &RateInterval| fastest.above(interval.log.log());
         let mut steepening = splat(absorption.steepening());
         for interval in &self.intervals {
-            steepening = reachable(interval).select(steepening.max(interval.stress_ratio), steepening);
+            let reachable = fastest.above(interval.log.log());
+            steepening = reachable.select(steepening.max(interval.stress_ratio), steepening);
         }
         let below = history.peak - strain;
         let least = history.peak - below * absorption.steepening();
@@ -146,8 +146,9 @@ impl FibreLaw for RateCurves {
         for interval in &self.intervals {
             let own = interval.curve.largest_slope(from, to);
             let rising = interval.hardening(history.peak, strain + reach, self.averaging_strain);
-            slope = reachable(interval).select(own.max(slope), slope);
-            hardening = reachable(interval).select(rising.max(hardening), hardening);
+            let reachable = fastest.above(interval.log.log());
+            slope = reachable.select(own.max(slope), slope);
+            hardening = reachable.select(rising.max(hardening), hardening);
         }
         // Equation 142: slope of the slowest to the fastest curve in reach, and growth of the rate from one to the next.
         to.below(0.0).select(0.0, steepening * slope + hardening)
