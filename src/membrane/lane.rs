@@ -70,7 +70,11 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: Lane<L>) -> Lane<L> {
-                lanes(|l| self[l] $operator other[l])
+                let mut out = self.0;
+                for l in 0..L {
+                    out[l] = self.0[l] $operator other.0[l];
+                }
+                Lane(out)
             }
         }
 
@@ -79,7 +83,11 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: f64) -> Lane<L> {
-                lanes(|l| self[l] $operator other)
+                let mut out = self.0;
+                for l in 0..L {
+                    out[l] = self.0[l] $operator other;
+                }
+                Lane(out)
             }
         }
 
@@ -88,7 +96,11 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: Lane<L>) -> Lane<L> {
-                lanes(|l| self $operator other[l])
+                let mut out = other.0;
+                for l in 0..L {
+                    out[l] = self $operator other.0[l];
+                }
+                Lane(out)
             }
         }
 

@@ -1,7 +1,7 @@
 //! Stretches and shear angle of two fibre sets, and the stress that follows from the values of their curves.
 
 use super::{Deformation, Stress, Stresses};
-use crate::lane::{Lane, splat};
+use crate::lane::Lane;
 
 /// |sin γ| up to which the shear angle is the arcsine.
 const SINE_BOUND: f64 = 0.95;
@@ -9,23 +9,27 @@ const SINE_BOUND: f64 = 0.95;
 /// γ/sin γ in powers of cos γ − [`CENTRE`], |sin γ| up to the bound: interpolation at Chebyshev nodes, within 1.2e-16.
 /// As a function of the cosine it is smooth through γ = 0, where the arcsine as a function of the sine would need
 /// another root.
-const ANGLE_OVER_SINE: [f64; 16] = [
-    1.1331927198876424,
-    -0.45048585789817597,
-    0.21647545881796867,
-    -0.11172212091915776,
-    0.05985914378835787,
-    -0.03281938075907477,
-    0.018277169215623234,
-    -0.010293937629056713,
-    0.005847226654561683,
-    -0.003343609810733535,
-    0.0019230361865691136,
-    -0.0011104189468963863,
-    0.0006355670625241936,
-    -0.0003695298638060537,
-    0.0002569675709305914,
-    -0.00015006110076762043,
+const ANGLE_OVER_SINE: [[f64; 8]; 2] = [
+    [
+        1.1331927198876424,
+        -0.45048585789817597,
+        0.21647545881796867,
+        -0.11172212091915776,
+        0.05985914378835787,
+        -0.03281938075907477,
+        0.018277169215623234,
+        -0.010293937629056713,
+    ],
+    [
+        0.005847226654561683,
+        -0.003343609810733535,
+        0.0019230361865691136,
+        -0.0011104189468963863,
+        0.0006355670625241936,
+        -0.0003695298638060537,
+        0.0002569675709305914,
+        -0.00015006110076762043,
+    ],
 ];
 
 /// The middle of the cosines.
@@ -37,13 +41,16 @@ fn angle_over_sine<const L: usize>(cosine: Lane<L>) -> Lane<L> {
     let t = cosine - CENTRE;
     let t2 = t * t;
     let t4 = t2 * t2;
-    let mut eights = [splat(0.0); 2];
-    for (eight, c) in eights.iter_mut().zip(ANGLE_OVER_SINE.chunks_exact(8)) {
-        let low = (c[0] + c[1] * t) + (c[2] + c[3] * t) * t2;
-        let high = (c[4] + c[5] * t) + (c[6] + c[7] * t) * t2;
-        *eight = low + high * t4;
-    }
-    eights[0] + eights[1] * (t4 * t4)
+    let [low, high] = ANGLE_OVER_SINE;
+    eight(low, t, t2, t4) + eight(high, t, t2, t4) * (t4 * t4)
+}
+
+/// Σ c_k t^k, with the powers of `t`.
+#[inline(always)]
+fn eight<const L: usize>(c: [f64; 8], t: Lane<L>, t2: Lane<L>, t4: Lane<L>) -> Lane<L> {
+    let low = (c[0] + c[1] * t) + (c[2] + c[3] * t) * t2;
+    let high = (c[4] + c[5] * t) + (c[6] + c[7] * t) * t2;
+    low + high * t4
 }
 
 /// The fibres of a deformation.
