@@ -117,8 +117,8 @@ impl<const L: usize> Logarithm<L> {
         let sideways = second + 2.0 * sum * (phi1 + phi2);
         let (stretched, sheared) = (stretched + most * second, sheared + most * sideways);
         // A NaN must propagate.
-        let most = stretched.at_most(sheared).select(sheared, stretched);
-        most + cross * (theta + 4.0 * coupling)
+        let largest = stretched.at_most(sheared).select(sheared, stretched);
+        largest + cross * (theta + 4.0 * coupling)
     }
 }
 
