@@ -205,7 +205,7 @@ LAWS = [
     ("neo-hookean", 2.0, 0.8, {}),
     ("mooney-rivlin", 2.0, None, {}),
     ("ogden", 2.0, None, {}),
-    ("elastic", 0.1, 0.1, {"uniaxial": 0.25, "equibiaxial": 0.25, "planar": 0.25, "shear": 0.02}),
+    ("elastic", 0.1, 0.1, {"shear": 0.02}),
     ("plastic", 0.9, None, {}),
     ("mises", 0.9, None, {}),
 ]
@@ -248,12 +248,17 @@ def number(text):
 
 
 def in_card(film, states, stresses, mode):
-    """Nominal stresses of the card: plastic film's are over the present volume, which elastic strain changes."""
-    law = tomllib.loads(Path(film).read_text()).get("plastic")
-    if not law:
-        return stresses
-    each = (1 - 2 * law["poisson"]) * SUMS[mode] / number(law["young"])
-    return [stress * (1 + each * stress * (1 + strain)) for (_, strain), stress in zip(states, stresses, strict=True)]
+    """Nominal stresses of the card where its law is another one: flow stress over the present volume, which elastic strain changes;
+    LAW19 linear in logarithmic strain, of constant thickness."""
+    found = tomllib.loads(Path(film).read_text())
+    if law := found.get("plastic"):
+        each = (1 - 2 * law["poisson"]) * SUMS[mode] / number(law["young"])
+        return [stress * (1 + each * stress * (1 + strain)) for (_, strain), stress in zip(states, stresses, strict=True)]
+    if law := found.get("elastic"):
+        nu = law["poisson"]
+        stiffness, power = {"uniaxial": (1, -nu), "equibiaxial": (1 / (1 - nu), 1), "planar": (1 / (1 - nu * nu), 0)}[mode]
+        return [number(law["young"]) * stiffness * math.log(1 + strain) * (1 + strain) ** power for _, strain in states]
+    return stresses
 
 
 def in_shear(film, gammas):
