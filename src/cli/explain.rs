@@ -450,7 +450,7 @@ fn solver_entry(target: Target) -> (Json, String) {
 fn formats() -> Explanation {
     let entry = |format: &lab::signal::format::Format| {
         let (read, convert) = match format.support {
-            Support::Read(how) => (Some(how), None),
+            Support::Read(how, _) => (Some(how), None),
             Support::Refused(conversion) => (None, Some(conversion)),
         };
         let (name, endings) = (format.name, format.endings);

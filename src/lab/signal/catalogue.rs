@@ -1,5 +1,5 @@
-//! The channels of a file, before their values are read: each with a unit, and a time of its own or one that several share. A
-//! format is a [`Catalogue`]; which channels are wanted, their units and their times are settled here for all formats.
+//! The channels of a file, before their values are read: each with a unit, and a time of its own or one that several share. The
+//! [`Reader`] of a format reads the values; which channels are wanted, their units and their times are settled here for all formats.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
@@ -227,24 +227,28 @@ pub struct Terms {
     pub is_table: bool,
 }
 
-/// A file that lists its channels.
-pub trait Catalogue {
+/// A file whose channels are listed.
+pub struct Catalogue {
     /// Its channels, in the order of the file.
-    fn entries(&self) -> &[Entry];
-
+    pub entries: Vec<Entry>,
     /// Comments of the file, and what its reading reports.
-    fn annotations(&mut self) -> &mut Annotations;
+    pub annotations: Annotations,
+    /// Reads the values.
+    pub reader: Box<dyn Reader>,
+}
 
+/// Reads the values of a file of one format, whose channels are listed.
+pub trait Reader {
     /// The values of the channel at a place of the list, in the unit of the file; `NaN` where nothing was measured.
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error>;
 
     /// Reads the values of these channels and `times` before they are asked for, where the file is read once from its beginning.
-    fn load(&mut self, _channels: &[usize], _times: &[usize]) -> Result<(), Error> {
+    fn load(&mut self, _channels: &[usize], _times: &[usize], _warnings: &mut Vec<Warning>) -> Result<(), Error> {
         Ok(())
     }
 
     /// Compares what the file states of a channel with its samples, in the unit of the file.
-    fn review(&mut self, _place: usize, _times: &Numbers, _values: &[f64]) -> Result<(), Error> {
+    fn review(&self, _place: usize, _times: &Numbers, _values: &[f64], _: &mut Vec<Warning>) -> Result<(), Error> {
         Ok(())
     }
 
@@ -259,93 +263,167 @@ pub trait Catalogue {
     }
 }
 
-/// Reads the wanted channels, each over its times.
-///
-/// Holds them and nothing else of the file: 8 bytes a value, and as much again for one channel while it is finished.
-pub fn measure(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Error> {
-    let entries = file.entries().to_vec();
-    let given = options.time.as_ref().map(|name| find_entry(file, &entries, name)).transpose()?;
-    let named = named_times(&entries);
-    let axes: Vec<Result<Axis, Error>> = entries.iter().map(|entry| axis(&entries, entry, given, &named)).collect();
-    let of_channel = |axis: &Result<Axis, Error>| match axis {
-        Ok(Axis::Channel(time)) => Some(*time),
-        _ => None,
-    };
-    let times: HashSet<usize> = axes.iter().filter_map(of_channel).chain(given).collect();
-    let wanted = selected(file, &entries, options, |place| times.contains(&place))?;
-    let (mut timed, mut untimed, mut times) = (Vec::new(), None, Times::default());
-    for place in wanted {
-        let entry = &entries[place];
-        match &axes[place] {
-            Ok(Axis::Refused(error)) => return Err(Error::clone(error)),
-            Ok(axis) => {
-                times.add(file, &entries, axis, options)?;
-                timed.push((place, axis, unit(file, entry, place, options)?));
-            }
-            Err(_) => {
-                untimed.get_or_insert(place);
-                let why = "it has no time".to_owned();
-                file.annotations().warnings.push(Warning::ChannelNotRead { channel: entry.label().to_owned(), why });
-            }
-        }
+impl Catalogue {
+    /// Of a file with these channels, comments and warnings.
+    pub fn new(entries: Vec<Entry>, annotations: Annotations, reader: impl Reader + 'static) -> Catalogue {
+        Catalogue { entries, annotations, reader: Box::new(reader) }
     }
-    file.load(&timed.iter().map(|(place, ..)| *place).collect::<Vec<_>>(), &times.places())?;
-    let mut channels = Vec::new();
-    for (place, axis, unit) in timed {
-        let entry = &entries[place];
-        let values = finite(file, entry, place)?;
-        let time = times.read(file, &entries, place, axis, values.len())?;
-        file.review(place, &time, &values)?;
-        let series = Series::new(time, in_si(values, unit.as_ref()));
-        let filtered = entry.filtered.or_else(|| file.annotations().filter_class(&entry.column.name));
-        let [name, label] = entry.names().map(str::to_owned);
-        channels.push(MeasuredChannel { name, label, unit, filtered, series });
-    }
-    // Some channels, such as figures beside the recording, may have no time; one that is asked for needs it.
-    match untimed {
-        Some(place) if channels.is_empty() || options.channels != ChannelSelection::All => {
-            axes.into_iter().nth(place).transpose()?;
-        }
-        _ => {}
-    }
-    Ok(Measurement { channels, annotations: std::mem::take(file.annotations()) })
-}
 
-/// Reads the wanted channels as columns of one length, over the number of the sample in place of a time.
-pub fn columns(file: &mut dyn Catalogue, options: &ReadOptions) -> Result<Measurement, Error> {
-    let entries = file.entries().to_vec();
-    let wanted = selected(file, &entries, options, |_| false)?;
-    if let Some(first) = wanted.first().map(|first| &entries[*first])
-        && let Some(other) = wanted.iter().map(|place| &entries[*place]).find(|other| other.samples != first.samples)
-    {
-        let [name, other_name] = [first, other].map(Entry::label);
-        let [length, found] = [first, other].map(|entry| entry.samples.unwrap_or_default());
-        return Err(refusal!(
-            "without a time, all channels need one length: `{name}` has {length} samples, `{other_name}` {found}"
-        )
-        .with_hint(BELONG_TOGETHER));
-    }
-    let units = wanted.iter().map(|place| unit(file, &entries[*place], *place, options));
-    let units = units.collect::<Result<Vec<_>, _>>()?;
-    file.load(&wanted, &[])?;
-    let (mut channels, mut numbers) = (Vec::new(), Numbers::from(Vec::new()));
-    for (place, unit) in wanted.into_iter().zip(units) {
-        let entry = &entries[place];
-        let values = in_si(finite(file, entry, place)?, unit.as_ref());
-        let [name, label] = entry.names().map(str::to_owned);
-        if numbers.len() != values.len() {
-            numbers = (0..values.len()).map(|number| number as f64).collect();
+    /// Reads the wanted channels, each over its times.
+    ///
+    /// Holds them and nothing else of the file: 8 bytes a value, and as much again for one channel while it is finished.
+    pub fn measure(mut self, options: &ReadOptions) -> Result<Measurement, Error> {
+        let given = options.time.as_ref().map(|name| self.find(name)).transpose()?;
+        let named = named_times(&self.entries);
+        let axes = self.entries.iter().map(|entry| axis(&self.entries, entry, given, &named));
+        let axes: Vec<Result<Axis, Error>> = axes.collect();
+        let of_channel = |axis: &Result<Axis, Error>| match axis {
+            Ok(Axis::Channel(time)) => Some(*time),
+            _ => None,
+        };
+        let times: HashSet<usize> = axes.iter().filter_map(of_channel).chain(given).collect();
+        let wanted = self.selected(options, |place| times.contains(&place))?;
+        let (mut timed, mut untimed, mut times) = (Vec::new(), None, Times::default());
+        for place in wanted {
+            match &axes[place] {
+                Ok(Axis::Refused(error)) => return Err(Error::clone(error)),
+                Ok(axis) => {
+                    times.add(&mut self, axis, options)?;
+                    timed.push((place, axis, self.unit(place, options)?));
+                }
+                Err(_) => {
+                    untimed.get_or_insert(place);
+                    let (channel, why) = (self.entries[place].label().to_owned(), "it has no time".to_owned());
+                    self.annotations.warnings.push(Warning::ChannelNotRead { channel, why });
+                }
+            }
         }
-        let series = Series::new(numbers.clone(), values);
-        channels.push(MeasuredChannel { name, label, unit, filtered: None, series });
+        let places: Vec<usize> = timed.iter().map(|(place, ..)| *place).collect();
+        self.reader.load(&places, &times.places(), &mut self.annotations.warnings)?;
+        let mut channels = Vec::new();
+        for (place, axis, unit) in timed {
+            let values = self.finite(place)?;
+            let time = times.read(&mut self, place, axis, values.len())?;
+            self.reader.review(place, &time, &values, &mut self.annotations.warnings)?;
+            let series = Series::new(time, in_si(values, unit.as_ref()));
+            let entry = &self.entries[place];
+            let filtered = entry.filtered.or_else(|| self.annotations.filter_class(&entry.column.name));
+            let [name, label] = entry.names().map(str::to_owned);
+            channels.push(MeasuredChannel { name, label, unit, filtered, series });
+        }
+        // Some channels, such as figures beside the recording, may have no time; one that is asked for needs it.
+        match untimed {
+            Some(place) if channels.is_empty() || options.channels != ChannelSelection::All => {
+                axes.into_iter().nth(place).transpose()?;
+            }
+            _ => {}
+        }
+        Ok(Measurement { channels, annotations: self.annotations })
     }
-    Ok(Measurement { channels, annotations: std::mem::take(file.annotations()) })
-}
 
-/// The place of the one channel called `name`, with its group or without.
-fn find_entry(file: &dyn Catalogue, entries: &[Entry], name: &str) -> Result<usize, Error> {
-    let names = entries.iter().map(|entry| entry.names().into());
-    find(name, names).map_err(|error| file.locate(Subject::List, error))
+    /// Reads the wanted channels as columns of one length, over the number of the sample in place of a time.
+    pub fn columns(mut self, options: &ReadOptions) -> Result<Measurement, Error> {
+        let wanted = self.selected(options, |_| false)?;
+        let mut entries = wanted.iter().map(|place| &self.entries[*place]);
+        if let Some(first) = entries.next()
+            && let Some(other) = entries.find(|other| other.samples != first.samples)
+        {
+            let [name, other_name] = [first, other].map(Entry::label);
+            let [length, found] = [first, other].map(|entry| entry.samples.unwrap_or_default());
+            return Err(refusal!(
+                "without a time, all channels need one length: `{name}` has {length} samples, `{other_name}` {found}"
+            )
+            .with_hint(BELONG_TOGETHER));
+        }
+        let units = wanted.iter().map(|place| self.unit(*place, options)).collect::<Result<Vec<_>, _>>()?;
+        self.reader.load(&wanted, &[], &mut self.annotations.warnings)?;
+        let (mut channels, mut numbers) = (Vec::new(), Numbers::from(Vec::new()));
+        for (place, unit) in wanted.into_iter().zip(units) {
+            let values = in_si(self.finite(place)?, unit.as_ref());
+            let [name, label] = self.entries[place].names().map(str::to_owned);
+            if numbers.len() != values.len() {
+                numbers = (0..values.len()).map(|number| number as f64).collect();
+            }
+            let series = Series::new(numbers.clone(), values);
+            channels.push(MeasuredChannel { name, label, unit, filtered: None, series });
+        }
+        Ok(Measurement { channels, annotations: self.annotations })
+    }
+
+    /// The place of the one channel called `name`, with its group or without.
+    fn find(&self, name: &str) -> Result<usize, Error> {
+        let names = self.entries.iter().map(|entry| entry.names().into());
+        find(name, names).map_err(|error| self.reader.locate(Subject::List, error))
+    }
+
+    /// Places of the wanted channels; a time is none of them unless it is asked for by name.
+    fn selected(&mut self, options: &ReadOptions, is_time: impl Fn(usize) -> bool) -> Result<Vec<usize>, Error> {
+        let (terms, entries) = (self.reader.terms(), &self.entries);
+        if !options.names.is_empty() && !terms.is_table {
+            let error = refusal!("column names are given, but the file is not a table");
+            return Err(error.with_hint("its channels have their own names; leave the names out"));
+        }
+        options.units.iter().try_for_each(|(name, _)| self.find(name).map(|_| ()))?;
+        let fault = |entry: &Entry| match &entry.unread {
+            Some(why) => Some(not_read(entry, why)),
+            None => (entry.samples == Some(0)).then(|| refusal!("`{}` has no samples", entry.label())),
+        };
+        let is_usable = |place: &usize| {
+            let entry = &entries[*place];
+            !is_time(*place) && !entry.by_name_only && fault(entry).is_none()
+        };
+        let usable = || (0..entries.len()).filter(is_usable);
+        let wanted = match &options.channels {
+            ChannelSelection::Named(names) => {
+                names.iter().map(|name| self.find(name)).collect::<Result<Vec<_>, _>>()?
+            }
+            ChannelSelection::Only if usable().nth(1).is_some() => {
+                let found: Vec<String> = usable().map(|place| entries[place].label().to_owned()).collect();
+                return Err(self.reader.locate(Subject::List, not_one(&found, terms.channel)));
+            }
+            _ => usable().collect(),
+        };
+        match &options.channels {
+            ChannelSelection::Named(_) => {
+                wanted.iter().try_for_each(|place| fault(&entries[*place]).map_or(Ok(()), Err))?
+            }
+            _ => self.annotations.warnings.extend(entries.iter().filter_map(|entry| {
+                let is_empty = entry.samples == Some(0);
+                let why = entry.unread.clone().or_else(|| is_empty.then(|| "it has no samples".to_owned()))?;
+                Some(Warning::ChannelNotRead { channel: entry.label().to_owned(), why })
+            })),
+        }
+        if wanted.is_empty() {
+            return Err(self.reader.locate(Subject::List, Error::new(terms.none)));
+        }
+        let samples = wanted.iter().filter_map(|place| entries[*place].samples).fold(0, u64::saturating_add);
+        if samples <= MOST_VALUES as u64 {
+            return Ok(wanted);
+        }
+        Err(refusal!("more than {MOST_VALUES} samples").with_hint("name the channels that are needed"))
+    }
+
+    /// The unit of the channel at a place of the list, which the file or the caller gives; a warning where it is not known.
+    fn unit(&mut self, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
+        let entry = &self.entries[place];
+        let unit = entry.unit(options, options.unit.as_ref());
+        let unit = unit.map_err(|error| self.reader.locate(Subject::Unit(place), error))?;
+        let unknown = entry.column.unknown_unit.as_deref();
+        if unit.is_none() && (unknown.is_some() || !self.reader.terms().is_table) {
+            self.annotations.warnings.push(no_unit(entry.label(), unknown));
+        }
+        Ok(unit)
+    }
+
+    /// The values of a channel, in the unit of the file.
+    fn finite(&mut self, place: usize) -> Result<Vec<f64>, Error> {
+        let values = self.reader.values(place)?;
+        if values.iter().any(|value| value.is_infinite()) {
+            Err(not_finite(self.entries[place].label()))
+        } else {
+            Ok(values)
+        }
+    }
 }
 
 /// Places of the channels that are named like a time, by their group.
@@ -400,75 +478,6 @@ fn not_read(entry: &Entry, why: &str) -> Error {
     refusal!("`{}` cannot be read: {why}", entry.label())
 }
 
-/// Places of the wanted channels; a time is none of them unless it is asked for by name.
-fn selected(
-    file: &mut dyn Catalogue,
-    entries: &[Entry],
-    options: &ReadOptions,
-    is_time: impl Fn(usize) -> bool,
-) -> Result<Vec<usize>, Error> {
-    let terms = file.terms();
-    if !options.names.is_empty() && !terms.is_table {
-        let error = refusal!("column names are given, but the file is not a table");
-        return Err(error.with_hint("its channels have their own names; leave the names out"));
-    }
-    options.units.iter().try_for_each(|(name, _)| find_entry(file, entries, name).map(|_| ()))?;
-    let fault = |entry: &Entry| match &entry.unread {
-        Some(why) => Some(not_read(entry, why)),
-        None => (entry.samples == Some(0)).then(|| refusal!("`{}` has no samples", entry.label())),
-    };
-    let is_usable = |place: &usize| {
-        let entry = &entries[*place];
-        !is_time(*place) && !entry.by_name_only && fault(entry).is_none()
-    };
-    let usable = || (0..entries.len()).filter(is_usable);
-    let wanted = match &options.channels {
-        ChannelSelection::Named(names) => {
-            names.iter().map(|name| find_entry(file, entries, name)).collect::<Result<Vec<_>, _>>()?
-        }
-        ChannelSelection::Only if usable().nth(1).is_some() => {
-            let found: Vec<String> = usable().map(|place| entries[place].label().to_owned()).collect();
-            return Err(file.locate(Subject::List, not_one(&found, terms.channel)));
-        }
-        _ => usable().collect(),
-    };
-    match &options.channels {
-        ChannelSelection::Named(_) => {
-            wanted.iter().try_for_each(|place| fault(&entries[*place]).map_or(Ok(()), Err))?
-        }
-        _ => file.annotations().warnings.extend(entries.iter().filter_map(|entry| {
-            let is_empty = entry.samples == Some(0);
-            let why = entry.unread.clone().or_else(|| is_empty.then(|| "it has no samples".to_owned()))?;
-            Some(Warning::ChannelNotRead { channel: entry.label().to_owned(), why })
-        })),
-    }
-    if wanted.is_empty() {
-        return Err(file.locate(Subject::List, Error::new(terms.none)));
-    }
-    let samples = wanted.iter().filter_map(|place| entries[*place].samples).fold(0, u64::saturating_add);
-    if samples <= MOST_VALUES as u64 {
-        return Ok(wanted);
-    }
-    Err(refusal!("more than {MOST_VALUES} samples").with_hint("name the channels that are needed"))
-}
-
-/// The unit of the channel at a place of the list, which the file or the caller gives; a warning where it is not known.
-fn unit(file: &mut dyn Catalogue, entry: &Entry, place: usize, options: &ReadOptions) -> Result<Option<Unit>, Error> {
-    let unit = entry.unit(options, options.unit.as_ref());
-    let unit = unit.map_err(|error| file.locate(Subject::Unit(place), error))?;
-    let unknown = entry.column.unknown_unit.as_deref();
-    if unit.is_none() && (unknown.is_some() || !file.terms().is_table) {
-        file.annotations().warnings.push(no_unit(entry.label(), unknown));
-    }
-    Ok(unit)
-}
-
-/// The values of a channel, in the unit of the file.
-fn finite(file: &mut dyn Catalogue, entry: &Entry, place: usize) -> Result<Vec<f64>, Error> {
-    let values = file.values(place)?;
-    if values.iter().any(|value| value.is_infinite()) { Err(not_finite(entry.label())) } else { Ok(values) }
-}
-
 fn in_si(mut values: Vec<f64>, unit: Option<&Unit>) -> Vec<f64> {
     if let Some(unit) = unit.filter(|unit| !unit.is_si()) {
         values.iter_mut().for_each(|value| *value = unit.to_si(*value));
@@ -486,28 +495,22 @@ struct Times {
 
 impl Times {
     /// Adds the channel of an axis, whose unit must be one of time.
-    fn add(
-        &mut self,
-        file: &mut dyn Catalogue,
-        entries: &[Entry],
-        axis: &Axis,
-        options: &ReadOptions,
-    ) -> Result<(), Error> {
+    fn add(&mut self, file: &mut Catalogue, axis: &Axis, options: &ReadOptions) -> Result<(), Error> {
         let Axis::Channel(place) = axis else { return Ok(()) };
         if self.units.contains_key(place) {
             return Ok(());
         }
-        let entry = &entries[*place];
-        let wrong = |unit: &str| file.locate(Subject::Unit(*place), not_a_time(entry.title(), unit));
+        let entry = &file.entries[*place];
+        let wrong = |unit: &str| file.reader.locate(Subject::Unit(*place), not_a_time(entry.title(), unit));
         let unit = match (entry.unit(options, None), &entry.column.unknown_unit) {
             (_, Some(unknown)) => return Err(wrong(unknown)),
-            (Err(error), _) => return Err(file.locate(Subject::Unit(*place), error)),
+            (Err(error), _) => return Err(file.reader.locate(Subject::Unit(*place), error)),
             (Ok(Some(unit)), _) if !unit.measures(Time::DIMENSION) => return Err(wrong(unit.symbol())),
             (Ok(unit), _) => unit,
         };
         if unit.is_none() {
             let channel = entry.label().to_owned();
-            file.annotations().warnings.push(Warning::TimeUnitAssumed { channel });
+            file.annotations.warnings.push(Warning::TimeUnitAssumed { channel });
         }
         self.units.insert(*place, unit);
         Ok(())
@@ -519,44 +522,38 @@ impl Times {
     }
 
     /// The times of the `samples` of the channel at a place of the list.
-    fn read(
-        &mut self,
-        file: &mut dyn Catalogue,
-        entries: &[Entry],
-        place: usize,
-        axis: &Axis,
-        samples: usize,
-    ) -> Result<Numbers, Error> {
+    fn read(&mut self, file: &mut Catalogue, place: usize, axis: &Axis, samples: usize) -> Result<Numbers, Error> {
         let key = match axis {
             Axis::Steps { start, step } => (None, [start.to_bits(), step.to_bits(), samples as u64]),
             Axis::Channel(time) => (Some(*time), [0; 3]),
-            Axis::Unknown | Axis::Refused(_) => return Err(no_time(&entries[place])),
+            Axis::Unknown | Axis::Refused(_) => return Err(no_time(&file.entries[place])),
         };
         let times = match (self.known.get(&key), axis) {
             (Some(times), _) => times.clone(),
-            (None, Axis::Steps { start, step }) => stepped(&entries[place], *start, *step, samples)
-                .map_err(|error| file.locate(Subject::Times(place), error))?
+            (None, Axis::Steps { start, step }) => stepped(&file.entries[place], *start, *step, samples)
+                .map_err(|error| file.reader.locate(Subject::Times(place), error))?
                 .into(),
-            (None, Axis::Channel(time)) => self.of_channel(file, &entries[*time], *time)?.into(),
+            (None, Axis::Channel(time)) => self.of_channel(file, *time)?.into(),
             (None, _) => Vec::new().into(),
         };
         if let Axis::Channel(time) = axis
             && times.len() != samples
         {
-            let ([channel, name], count) = ([place, *time].map(|place| entries[place].label()), times.len());
+            let ([channel, name], count) = ([place, *time].map(|place| file.entries[place].label()), times.len());
             let error = refusal!("`{channel}` has {samples} samples over {count} times of `{name}`");
-            return Err(file.locate(Subject::Times(place), error.with_hint(BELONG_TOGETHER)));
+            return Err(file.reader.locate(Subject::Times(place), error.with_hint(BELONG_TOGETHER)));
         }
         self.known.insert(key, times.clone());
         Ok(times)
     }
 
     /// The values of a channel of time, s.
-    fn of_channel(&self, file: &mut dyn Catalogue, entry: &Entry, place: usize) -> Result<Vec<f64>, Error> {
-        let times = finite(file, entry, place)?;
-        let at = |sample: usize, error: Error| Err(file.locate(Subject::Sample(place, sample), error));
+    fn of_channel(&self, file: &mut Catalogue, place: usize) -> Result<Vec<f64>, Error> {
+        let times = file.finite(place)?;
+        let label = file.entries[place].label();
+        let at = |sample: usize, error: Error| Err(file.reader.locate(Subject::Sample(place, sample), error));
         if let Some(sample) = times.iter().position(|time| time.is_nan()) {
-            return at(sample, refusal!("a sample of the time axis `{}` was not measured", entry.label()));
+            return at(sample, refusal!("a sample of the time axis `{label}` was not measured"));
         }
         if let Some(sample) = (1..times.len()).find(|sample| times[*sample] <= times[sample - 1]) {
             return at(sample, not_increasing(times[sample], times[sample - 1]));
@@ -674,17 +671,9 @@ mod tests {
         FORMATS.iter().for_each(|format| damage(format));
     }
 
-    struct Listed(Vec<Entry>, Annotations);
+    struct Places;
 
-    impl Catalogue for Listed {
-        fn entries(&self) -> &[Entry] {
-            &self.0
-        }
-
-        fn annotations(&mut self) -> &mut Annotations {
-            &mut self.1
-        }
-
+    impl Reader for Places {
         fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
             Ok(vec![place as f64])
         }
@@ -698,7 +687,7 @@ mod tests {
             Ok(Entry { samples: Some(1), ..Entry::new("G", &name, None)? })
         };
         let entries = (0..100_000).map(entry).collect::<Result<Vec<_>, Error>>().unwrap();
-        let found = measure(&mut Listed(entries, Annotations::default()), &ReadOptions::default()).unwrap();
+        let found = Catalogue::new(entries, Annotations::default(), Places).measure(&ReadOptions::default()).unwrap();
         assert_eq!(found.channels.len(), 99_999);
         assert!(found.channels.iter().all(|channel| channel.series.time() == [0.0]));
     }

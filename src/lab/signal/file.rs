@@ -4,16 +4,10 @@ use std::io::Read;
 use std::path::Path;
 
 use super::Measurement;
-use super::catalogue::{self, Catalogue};
-use super::csv::TextTable;
+use super::catalogue::Catalogue;
 use super::export::{self, Export};
 use super::format::{Format, Support};
-use super::hdf5::{self, Hdf5};
-use super::isomme::{self, IsoMme};
-use super::matlab::{self, Matlab};
-use super::t01::{self, T01};
-use super::tdms::{self, Tdms};
-use super::workbook::{self, Workbook};
+use super::{csv, isomme, matlab, workbook};
 use crate::error::{Error, refusal};
 
 pub use super::{ChannelSelection, ReadOptions};
@@ -24,12 +18,8 @@ pub use super::{ChannelSelection, ReadOptions};
 /// Holds the wanted channels and nothing else of the file: 8 bytes a value, and as much again for one channel while it
 /// is finished.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
-    let measured = if isomme::is_part(path) {
-        IsoMme::open(path).and_then(|mut container| catalogue::measure(&mut container, options))
-    } else {
-        open(path, options).and_then(|mut file| catalogue::measure(&mut *file, options))
-    };
-    measured.map_err(|error| error.in_file(path))
+    let catalogue = if isomme::is_part(path) { isomme::open(path) } else { open(path, options) };
+    catalogue.and_then(|catalogue| catalogue.measure(options)).map_err(|error| error.in_file(path))
 }
 
 /// Reads the columns of the file at `path` for which no time is needed, e.g. stress over strain; the number of the sample is in
@@ -38,7 +28,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
 /// # Errors
 /// The file is no table, a channel or a unit is missing, columns have several lengths, or a cell is no number.
 pub fn columns(path: &Path, options: &ReadOptions) -> Result<Measurement, Error> {
-    let columns = open(path, options).and_then(|mut file| catalogue::columns(&mut *file, options));
+    let columns = open(path, options).and_then(|catalogue| catalogue.columns(options));
     columns.map_err(|error| error.in_file(path))
 }
 
@@ -48,11 +38,8 @@ pub fn lists_channels(path: &Path) -> bool {
 }
 
 /// The channels of the file at `path`, which is a table unless its first bytes are those of another format.
-fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Catalogue>, Error> {
-    match listed(path)? {
-        Some(file) => Ok(file),
-        None => TextTable::open(path, options).map(boxed),
-    }
+fn open(path: &Path, options: &ReadOptions) -> Result<Catalogue, Error> {
+    listed(path)?.map_or_else(|| csv::open(path, options), Ok)
 }
 
 /// The specimens of the file at `path`, of a tensile machine; none where it holds no force over displacement.
@@ -68,31 +55,16 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, Error> {
 }
 
 /// The channels of the file at `path`, where its first bytes are those of a format that lists them.
-fn listed(path: &Path) -> Result<Option<Box<dyn Catalogue>>, Error> {
+fn listed(path: &Path) -> Result<Option<Catalogue>, Error> {
     let Some(first) = first_bytes(path) else { return Ok(None) };
-    let found = match Format::of(&first) {
-        _ if matlab::is_own(&first) => Matlab::open(path).map(boxed),
-        _ if hdf5::is_own(&first) => Hdf5::open(path).map(boxed),
-        _ if workbook::is_own(&first) => Workbook::open(path).map(boxed),
-        _ if tdms::is_own(&first) => Tdms::open(path).map(boxed),
-        _ if t01::is_own(&first) => T01::open(path).map(boxed),
+    match Format::of(&first).map(|format| (format.name, format.support)) {
+        Some((_, Support::Read(_, Some(open)))) => open(path).map(Some),
         _ if matlab::is_of_level_4(path, &first) => Err(matlab::level_4()),
-        Some(format) => Err(refused(format)),
-        None => return Ok(None),
-    };
-    found.map(Some)
-}
-
-fn refused(format: &Format) -> Error {
-    let error = refusal!("the format {} is not read", format.name);
-    match format.support {
-        Support::Refused(conversion) => error.with_hint(conversion),
-        Support::Read(_) => error,
+        Some((name, Support::Refused(conversion))) => {
+            Err(refusal!("the format {name} is not read").with_hint(conversion))
+        }
+        _ => Ok(None),
     }
-}
-
-fn boxed<'a>(file: impl Catalogue + 'a) -> Box<dyn Catalogue + 'a> {
-    Box::new(file)
 }
 
 /// Bytes by which a format is known.

@@ -4,7 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use super::catalogue::Catalogue;
 use super::{hdf5, matlab, t01, tdms, workbook};
+use crate::error::Error;
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +22,10 @@ pub struct Format {
 }
 
 /// Whether a format is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Support {
-    /// It is; what becomes of its parts.
-    Read(&'static str),
+    /// It is; what becomes of its parts, and what lists the channels of a file, for formats that are known by their first bytes.
+    Read(&'static str, Option<fn(&Path) -> Result<Catalogue, Error>>),
     /// It is not; the conversion that helps.
     Refused(&'static str),
 }
@@ -36,13 +38,14 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "any separator, decimal mark and column names; UTF-8, UTF-16, GBK or Windows-1252; units in the header, in a line \
              below it, or given",
+            None,
         ),
         is_own: |_| false,
     },
     Format {
         name: "ISO-MME",
         endings: ".mme with its folder, .chn, .001, …, .zip",
-        support: Support::Read("channels by code or long name, each over its own time"),
+        support: Support::Read("channels by code or long name, each over its own time", None),
         is_own: |_| false,
     },
     Format {
@@ -51,13 +54,17 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "GROUP/CHANNEL with unit_string; time by wf_start_offset and wf_increment, or by the channel Time of the group; \
              scales are applied, DAQmx, interleaved, big-endian and truncated files are read",
+            Some(tdms::open),
         ),
         is_own: tdms::is_own,
     },
     Format {
         name: "Workbook of Excel",
         endings: ".xlsx",
-        support: Support::Read("a sheet as a table: SHEET/COLUMN, or the column alone where one sheet holds a table"),
+        support: Support::Read(
+            "a sheet as a table: SHEET/COLUMN, or the column alone where one sheet holds a table",
+            Some(workbook::open),
+        ),
         is_own: workbook::is_own,
     },
     Format {
@@ -66,6 +73,7 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "vectors, columns of matrices and fields of structs, STRUCT/FIELD, over the field time or t beside them; versions \
              5 to 7.3",
+            Some(matlab::open),
         ),
         is_own: matlab::is_own,
     },
@@ -75,6 +83,7 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "data sets, columns of matrices and fields of records, GROUP/NAME, over the data set time or t beside them; units \
              from the attribute unit or units",
+            Some(hdf5::open),
         ),
         is_own: hdf5::is_own,
     },
@@ -84,6 +93,7 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "energies of the model, GROUP/DZ of nodes, GROUP/impulse FZ of rigid bodies, in SI; of a deck of droptower's also \
              displacement_m, velocity_m_s and acceleration_m_s2 of the impactor over the time of the test",
+            Some(t01::open),
         ),
         is_own: t01::is_own,
     },
@@ -93,6 +103,7 @@ pub const FORMATS: [Format; 17] = [
         support: Support::Read(
             "by `droptower reduce coupon`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
              Shimadzu; width, thickness, gauge, speed and direction from the head",
+            None,
         ),
         is_own: |_| false,
     },
@@ -209,7 +220,7 @@ fn is_test(folder: &Path) -> bool {
 
 /// Whether the name of a file ends as those of a format that is read. Channels of ISO-MME are no recordings of their own.
 fn has_known_ending(path: &Path) -> bool {
-    let endings = FORMATS.iter().filter(|format| matches!(format.support, Support::Read(_)));
+    let endings = FORMATS.iter().filter(|format| matches!(format.support, Support::Read(..)));
     let mut endings = endings.flat_map(|format| format.endings.split(", ")).filter_map(|ending| {
         let ending = ending.split(' ').next()?.strip_prefix('.')?;
         Some(ending).filter(|ending| *ending != "chn" && ending.parse::<u32>().is_err())

@@ -7,18 +7,17 @@ use std::path::Path;
 use hdf5_pure::{AttrValue, Dataset, Datatype, DatatypeByteOrder, File, Group};
 
 use super::Annotations;
-use super::catalogue::{Binary, Catalogue, Columns, Entry};
+use super::catalogue::{Binary, Catalogue, Columns, Reader};
 use crate::error::{Error, refusal};
 use base::file;
 
 /// An HDF5 file whose data sets are listed.
-pub struct Hdf5 {
+struct Hdf5 {
     file: File,
     columns: Columns,
     sources: Vec<Source>,
     /// As they are found; part of the annotations then.
     comments: Vec<String>,
-    annotations: Annotations,
     /// Bytes of the file.
     length: u64,
     /// Groups and data sets that were listed.
@@ -51,24 +50,23 @@ const LONGEST_COMMENT: usize = 200;
 /// Attributes that state a unit.
 const UNITS: [&str; 4] = ["unit", "units", "Unit", "Units"];
 
-impl Hdf5 {
-    /// Lists the data sets of the file at `path`. A text or a number among the attributes of the file becomes a comment, and
-    /// so does a data set of one value.
-    pub fn open(path: &Path) -> Result<Hdf5, Error> {
-        let length = file::open(path).and_then(|file| Ok(file.metadata()?.len()))?;
-        let file = File::open_streaming(path).map_err(in_object("/"))?;
-        let root = file.root();
-        let (columns, sources, comments) = (Columns::default(), Vec::new(), Vec::new());
-        let mut hdf5 =
-            Hdf5 { file, columns, sources, comments, annotations: Annotations::default(), length, listed: 0 };
-        let attributes = root.attrs().map_err(in_object("/"))?;
-        hdf5.comments = attributes.iter().filter_map(comment).collect();
-        hdf5.comments.sort();
-        hdf5.list(&root, "", 0)?;
-        hdf5.annotations = Annotations::new(std::mem::take(&mut hdf5.comments));
-        Ok(hdf5)
-    }
+/// Lists the data sets of the file at `path`. A text or a number among the attributes of the file becomes a comment, and
+/// so does a data set of one value.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let length = file::open(path).and_then(|file| Ok(file.metadata()?.len()))?;
+    let file = File::open_streaming(path).map_err(in_object("/"))?;
+    let root = file.root();
+    let (columns, sources, comments) = (Columns::default(), Vec::new(), Vec::new());
+    let mut hdf5 = Hdf5 { file, columns, sources, comments, length, listed: 0 };
+    let attributes = root.attrs().map_err(in_object("/"))?;
+    hdf5.comments = attributes.iter().filter_map(comment).collect();
+    hdf5.comments.sort();
+    hdf5.list(&root, "", 0)?;
+    let annotations = Annotations::new(std::mem::take(&mut hdf5.comments));
+    Ok(Catalogue::new(std::mem::take(&mut hdf5.columns.entries), annotations, hdf5))
+}
 
+impl Hdf5 {
     fn list(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), Error> {
         let shown = if path.is_empty() { "/" } else { path };
         let within = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") };
@@ -205,15 +203,7 @@ fn comment((name, value): (&String, &AttrValue)) -> Option<String> {
     is_own.then(|| text.replace(char::is_control, " "))
 }
 
-impl Catalogue for Hdf5 {
-    fn entries(&self) -> &[Entry] {
-        &self.columns.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for Hdf5 {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         let (array, column) = self.columns.places[place];
         let source = &self.sources[array];

@@ -9,16 +9,16 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use super::Annotations;
-use super::catalogue::{Binary, Catalogue, Columns, Entry};
+use super::catalogue::{Binary, Catalogue, Columns, Reader};
 use super::measurement::MOST_VALUES;
 use crate::error::{Error, refusal};
 use base::file;
 
 /// A MAT-file whose variables are read.
-pub struct Matlab {
-    columns: Columns,
+struct Matlab {
     arrays: Vec<Array>,
-    annotations: Annotations,
+    /// Array and column of each channel.
+    places: Vec<(usize, usize)>,
 }
 
 /// Bytes before the first variable.
@@ -28,33 +28,32 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Longest text that becomes a comment, characters.
 const LONGEST_COMMENT: usize = 200;
 
-impl Matlab {
-    /// Reads the variables of the file at `path`. A text or a single number becomes a comment.
-    pub fn open(path: &Path) -> Result<Matlab, Error> {
-        let bytes = file::read(path, MOST_BYTES)?;
-        let arrays = arrays(&bytes)?;
-        let (mut columns, mut listed, mut comments) = (Columns::default(), Vec::new(), Vec::new());
-        for array in arrays {
-            let names = [array.group.as_str(), array.name.as_str()];
-            let label = if array.group.is_empty() { array.name.clone() } else { names.join("/") };
-            let shape = match &array.content {
-                Content::Numbers { rows: 1, columns: 1, values } => {
-                    comments.push(format!("{label}: {}", values.first().copied().unwrap_or(f64::NAN)));
-                    continue;
-                }
-                Content::Text(text) => {
-                    let text: String = text.trim().chars().take(LONGEST_COMMENT).collect();
-                    comments.push(format!("{label}: {}", text.replace(char::is_control, " ")));
-                    continue;
-                }
-                Content::Numbers { rows, columns, .. } => Ok([*rows as u64, *columns as u64]),
-                Content::Unread(why) => Err(why.clone()),
-            };
-            columns.push(names, None, listed.len(), shape)?;
-            listed.push(array);
-        }
-        Ok(Matlab { columns, arrays: listed, annotations: Annotations::new(comments) })
+/// Reads the variables of the file at `path`. A text or a single number becomes a comment.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let bytes = file::read(path, MOST_BYTES)?;
+    let arrays = arrays(&bytes)?;
+    let (mut columns, mut listed, mut comments) = (Columns::default(), Vec::new(), Vec::new());
+    for array in arrays {
+        let names = [array.group.as_str(), array.name.as_str()];
+        let label = if array.group.is_empty() { array.name.clone() } else { names.join("/") };
+        let shape = match &array.content {
+            Content::Numbers { rows: 1, columns: 1, values } => {
+                comments.push(format!("{label}: {}", values.first().copied().unwrap_or(f64::NAN)));
+                continue;
+            }
+            Content::Text(text) => {
+                let text: String = text.trim().chars().take(LONGEST_COMMENT).collect();
+                comments.push(format!("{label}: {}", text.replace(char::is_control, " ")));
+                continue;
+            }
+            Content::Numbers { rows, columns, .. } => Ok([*rows as u64, *columns as u64]),
+            Content::Unread(why) => Err(why.clone()),
+        };
+        columns.push(names, None, listed.len(), shape)?;
+        listed.push(array);
     }
+    let Columns { entries, places } = columns;
+    Ok(Catalogue::new(entries, Annotations::new(comments), Matlab { arrays: listed, places }))
 }
 
 /// The arrays of a file.
@@ -85,17 +84,9 @@ fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Error> {
     Ok(found.arrays)
 }
 
-impl Catalogue for Matlab {
-    fn entries(&self) -> &[Entry] {
-        &self.columns.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for Matlab {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
-        let (array, column) = self.columns.places[place];
+        let (array, column) = self.places[place];
         Ok(match &self.arrays[array].content {
             Content::Numbers { rows, values, .. } => values[column * rows..(column + 1) * rows].to_vec(),
             Content::Text(_) | Content::Unread(_) => Vec::new(),

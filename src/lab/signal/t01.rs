@@ -9,7 +9,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::catalogue::{Axis, Catalogue, Entry};
+use super::catalogue::{Axis, Catalogue, Entry, Reader};
 use super::{Annotations, Warning};
 use crate::error::{Error, refusal};
 use base::file;
@@ -77,14 +77,12 @@ fn value(values: &Values, place: usize) -> Option<(&'static str, Measure)> {
 /// Values along z of a node whose motion is that of a test, as droptower calls them.
 const OF_TEST: [(i32, &str); 3] = [(3, "displacement_m"), (6, "velocity_m_s"), (9, "acceleration_m_s2")];
 
-/// A time history whose channels are listed.
-pub struct T01 {
+/// A time history.
+struct T01 {
     bytes: Vec<u8>,
-    entries: Vec<Entry>,
     channels: Vec<Channel>,
     /// First byte of the instants, bytes of one, and how many there are.
     instants: (usize, usize, usize),
-    annotations: Annotations,
 }
 
 /// Where the values of a channel are.
@@ -99,70 +97,66 @@ struct Channel {
     less: f64,
 }
 
+/// Reads the head, and counts the instants.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let bytes = file::read(path, MOST_BYTES)?;
+    let mut records = Records { bytes: &bytes, at: 0 };
+    let head = Head::read(&mut records)?;
+    let first = records.at;
+    let lengths: Vec<usize> = std::iter::once(4).chain(head.lengths.iter().copied()).collect();
+    let step: usize = lengths.iter().map(|length| length + 8).sum();
+    let count = (bytes.len() - first) / step;
+    for _ in 0..count {
+        for length in &lengths {
+            records.of_length("a record of values", *length)?;
+        }
+    }
+    let mut annotations = Annotations::new(vec![format!("{COMPUTED}, nothing fell"), format!("title: {}", head.title)]);
+    let rest = (bytes.len() - first) % step;
+    let missing = (rest > 0).then(|| Warning::TruncatedFile { missing: (step - rest) as u64 });
+    annotations.warnings.extend(missing);
+    if count == 0 {
+        return Err(refusal!("the file ends before its first instant"));
+    }
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut file = T01 { channels: vec![], instants: (first, step, count), bytes };
+    let time = file.push(&mut entries, "", "time", Ok(TIME), 4, head.units)?;
+    // Names of the signals of a test say that they are SI.
+    let are_si = head.units.is_some();
+    for value in head.values.into_iter().filter(|value| are_si || value.test.is_none()) {
+        let unit =
+            value.measure.map_err(|number| format!("a value of the number {number}, whose meaning is not known here"));
+        let Some(begin) = value.test else {
+            let entry = file.push(&mut entries, &value.group, &value.name, unit, value.place, head.units)?;
+            entries[entry].axis = Axis::Channel(time);
+            continue;
+        };
+        // Signals of the test are over its own time, a displacement from where it begins.
+        let known = entries.iter().position(|entry| entry.group == value.group && entry.column.name == OWN_TIME);
+        let of_time = match known {
+            Some(of_time) => of_time,
+            None => file.push(&mut entries, &value.group, OWN_TIME, Ok(TIME), 4, head.units)?,
+        };
+        let from = file.values(time)?.iter().position(|time| *time >= begin - 1e-9).unwrap_or(count);
+        file.channels[of_time].less = begin;
+        let entry = file.push(&mut entries, &value.group, &value.name, unit, value.place, head.units)?;
+        if value.name == OF_TEST[0].1 {
+            file.channels[entry].less = file.values(entry)?.get(from).copied().unwrap_or_default();
+        }
+        for place in [of_time, entry] {
+            file.channels[place].from = from;
+            entries[place].samples = Some((count - from) as u64);
+        }
+        entries[entry].axis = Axis::Channel(of_time);
+    }
+    Ok(Catalogue::new(entries, annotations, file))
+}
+
 impl T01 {
-    /// Reads the head, and counts the instants.
-    pub fn open(path: &Path) -> Result<T01, Error> {
-        T01::of(file::read(path, MOST_BYTES)?)
-    }
-
-    fn of(bytes: Vec<u8>) -> Result<T01, Error> {
-        let mut records = Records { bytes: &bytes, at: 0 };
-        let head = Head::read(&mut records)?;
-        let first = records.at;
-        let lengths: Vec<usize> = std::iter::once(4).chain(head.lengths.iter().copied()).collect();
-        let step: usize = lengths.iter().map(|length| length + 8).sum();
-        let count = (bytes.len() - first) / step;
-        for _ in 0..count {
-            for length in &lengths {
-                records.of_length("a record of values", *length)?;
-            }
-        }
-        let mut annotations =
-            Annotations::new(vec![format!("{COMPUTED}, nothing fell"), format!("title: {}", head.title)]);
-        let rest = (bytes.len() - first) % step;
-        let missing = (rest > 0).then(|| Warning::TruncatedFile { missing: (step - rest) as u64 });
-        annotations.warnings.extend(missing);
-        if count == 0 {
-            return Err(refusal!("the file ends before its first instant"));
-        }
-        let mut file = T01 { entries: vec![], channels: vec![], instants: (first, step, count), annotations, bytes };
-        let time = file.push("", "time", Ok(TIME), 4, head.units)?;
-        // Names of the signals of a test say that they are SI.
-        let are_si = head.units.is_some();
-        for value in head.values.into_iter().filter(|value| are_si || value.test.is_none()) {
-            let unit = value
-                .measure
-                .map_err(|number| format!("a value of the number {number}, whose meaning is not known here"));
-            let Some(begin) = value.test else {
-                let entry = file.push(&value.group, &value.name, unit, value.place, head.units)?;
-                file.entries[entry].axis = Axis::Channel(time);
-                continue;
-            };
-            // Signals of the test are over its own time, a displacement from where it begins.
-            let known =
-                file.entries.iter().position(|entry| entry.group == value.group && entry.column.name == OWN_TIME);
-            let of_time = match known {
-                Some(of_time) => of_time,
-                None => file.push(&value.group, OWN_TIME, Ok(TIME), 4, head.units)?,
-            };
-            let from = file.values(time)?.iter().position(|time| *time >= begin - 1e-9).unwrap_or(count);
-            file.channels[of_time].less = begin;
-            let entry = file.push(&value.group, &value.name, unit, value.place, head.units)?;
-            if value.name == OF_TEST[0].1 {
-                file.channels[entry].less = file.values(entry)?.get(from).copied().unwrap_or_default();
-            }
-            for place in [of_time, entry] {
-                file.channels[place].from = from;
-                file.entries[place].samples = Some((count - from) as u64);
-            }
-            file.entries[entry].axis = Axis::Channel(of_time);
-        }
-        Ok(file)
-    }
-
     /// Adds a channel; its place in the list.
     fn push(
         &mut self,
+        entries: &mut Vec<Entry>,
         group: &str,
         name: &str,
         measure: Result<Measure, String>,
@@ -174,21 +168,13 @@ impl T01 {
         entry.samples = Some(self.instants.2 as u64);
         entry.unread = measure.err();
         let factor = units.unwrap_or([1.0; 3]).iter().zip(powers).map(|(unit, power)| unit.powi(power)).product();
-        self.entries.push(entry);
+        entries.push(entry);
         self.channels.push(Channel { place, factor, from: 0, less: 0.0 });
-        Ok(self.entries.len() - 1)
+        Ok(entries.len() - 1)
     }
 }
 
-impl Catalogue for T01 {
-    fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for T01 {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         let (first, step, count) = self.instants;
         let channel = &self.channels[place];

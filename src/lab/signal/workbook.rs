@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read, copy, sink};
 use std::path::Path;
 
-use calamine::{DataRef, Reader, SheetType, Xlsx, XlsxError};
+use calamine::{DataRef, Reader as _, SheetType, Xlsx, XlsxError};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::catalogue::{Axis, Catalogue, Entry, Loaded};
+use super::catalogue::{Axis, Catalogue, Entry, Loaded, Reader};
 use super::csv::TextTable;
 use super::export::{self, Count, Export, Rows};
 use super::text::Lines;
@@ -17,14 +17,12 @@ use super::{Annotations, ReadOptions, Warning};
 use crate::error::{Error, refusal};
 use base::file;
 
-/// A workbook whose columns are listed: `SHEET/COLUMN`, or the column alone where one sheet holds a table.
-pub struct Workbook {
+/// The sheets of a workbook.
+struct Workbook {
     sheets: Vec<TableSheet>,
-    entries: Vec<Entry>,
-    /// Sheet and column of each entry.
+    /// Sheet and column of each channel.
     places: Vec<(usize, usize)>,
     loaded: Loaded,
-    annotations: Annotations,
 }
 
 /// A sheet as a table in text.
@@ -35,43 +33,41 @@ struct TableSheet {
 
 type SheetTable<'a> = TextTable<Cursor<&'a [u8]>>;
 
-impl Workbook {
-    /// Lists the columns of the workbook at `path`.
-    pub fn open(path: &Path) -> Result<Workbook, Error> {
-        let sheets = sheets(path)?.into_iter().filter(|sheet| !sheet.rows.is_empty()).map(TableSheet::new);
-        let listed = sheets.map(|sheet| {
-            let found = sheet.list();
-            (sheet, found)
-        });
-        let (listed, refused): (Vec<_>, Vec<_>) = listed.partition(|(_, found)| found.is_ok());
-        if let (true, Some((sheet, Err(error)))) = (listed.is_empty(), refused.first()) {
-            return Err(sheet.located(error));
-        }
-        let (mut comments, mut warnings) = (Vec::new(), Vec::new());
-        for (sheet, found) in &refused {
-            let why = found.as_ref().err().map_or("", Error::message).to_owned();
-            warnings.push(Warning::ChannelNotRead { channel: format!("sheet `{}`", sheet.name), why });
-        }
-        let is_one = listed.len() == 1;
-        let (mut held, mut all, mut places) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, (sheet, found)) in listed.into_iter().enumerate() {
-            let (annotations, entries) = found?;
-            comments.extend(annotations.comments().iter().cloned());
-            warnings.extend(annotations.warnings);
-            let (group, first) = (if is_one { "" } else { sheet.name.as_str() }, all.len());
-            for (column, entry) in entries.into_iter().enumerate() {
-                // Without a header the first column is the time.
-                let axis = if entry.axis == Axis::Unknown { Axis::Unknown } else { Axis::Channel(first) };
-                let samples = entry.samples;
-                all.push(Entry { samples, axis, ..Entry::from_column(group, entry.column) });
-                places.push((place, column));
-            }
-            held.push(sheet);
-        }
-        let mut annotations = Annotations::new(comments);
-        annotations.warnings = warnings;
-        Ok(Workbook { sheets: held, entries: all, places, loaded: Loaded::default(), annotations })
+/// Lists the columns of the workbook at `path`: `SHEET/COLUMN`, or the column alone where one sheet holds a table.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let sheets = sheets(path)?.into_iter().filter(|sheet| !sheet.rows.is_empty()).map(TableSheet::new);
+    let listed = sheets.map(|sheet| {
+        let found = sheet.list();
+        (sheet, found)
+    });
+    let (listed, refused): (Vec<_>, Vec<_>) = listed.partition(|(_, found)| found.is_ok());
+    if let (true, Some((sheet, Err(error)))) = (listed.is_empty(), refused.first()) {
+        return Err(sheet.located(error));
     }
+    let (mut comments, mut warnings) = (Vec::new(), Vec::new());
+    for (sheet, found) in &refused {
+        let why = found.as_ref().err().map_or("", Error::message).to_owned();
+        warnings.push(Warning::ChannelNotRead { channel: format!("sheet `{}`", sheet.name), why });
+    }
+    let is_one = listed.len() == 1;
+    let (mut held, mut all, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    for (place, (sheet, found)) in listed.into_iter().enumerate() {
+        let (annotations, entries) = found?;
+        comments.extend(annotations.comments().iter().cloned());
+        warnings.extend(annotations.warnings);
+        let (group, first) = (if is_one { "" } else { sheet.name.as_str() }, all.len());
+        for (column, entry) in entries.into_iter().enumerate() {
+            // Without a header the first column is the time.
+            let axis = if entry.axis == Axis::Unknown { Axis::Unknown } else { Axis::Channel(first) };
+            let samples = entry.samples;
+            all.push(Entry { samples, axis, ..Entry::from_column(group, entry.column) });
+            places.push((place, column));
+        }
+        held.push(sheet);
+    }
+    let mut annotations = Annotations::new(comments);
+    annotations.warnings = warnings;
+    Ok(Catalogue::new(all, annotations, Workbook { sheets: held, places, loaded: Loaded::default() }))
 }
 
 impl TableSheet {
@@ -100,8 +96,8 @@ impl TableSheet {
     /// Its annotations and columns; the axis of a column without a header is no longer unknown.
     fn list(&self) -> Result<(Annotations, Vec<Entry>), Error> {
         let mut table = self.table()?;
-        let annotations = std::mem::take(table.annotations());
-        let mut entries = table.entries().to_vec();
+        let annotations = std::mem::take(&mut table.annotations);
+        let mut entries = std::mem::take(&mut table.entries);
         let is_named = table.has_header();
         let rows = table.count_rows()? as u64;
         for entry in &mut entries {
@@ -119,25 +115,17 @@ impl TableSheet {
     }
 }
 
-impl Catalogue for Workbook {
-    fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for Workbook {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         Ok(self.loaded.take(place))
     }
 
-    fn load(&mut self, channels: &[usize], times: &[usize]) -> Result<(), Error> {
+    fn load(&mut self, channels: &[usize], times: &[usize], _: &mut Vec<Warning>) -> Result<(), Error> {
         let wanted = [channels, times].concat();
         for (number, sheet) in self.sheets.iter().enumerate() {
             let of_sheet: Vec<usize> = wanted.iter().copied().filter(|place| self.places[*place].0 == number).collect();
             let columns: Vec<usize> = of_sheet.iter().map(|place| self.places[*place].1).collect();
-            let values = sheet.table().and_then(|mut table| table.read_columns(&columns, None));
+            let values = sheet.table().and_then(|mut table| table.read_columns(&columns, None, &mut Vec::new()));
             let values = values.map_err(|error| sheet.located(&error))?;
             of_sheet.into_iter().zip(values).for_each(|(place, values)| self.loaded.insert(place, values));
         }

@@ -161,11 +161,6 @@ impl Session {
         &self.programs
     }
 
-    /// The session for scripts that `cancellation` stops.
-    pub fn with_cancellation(&self, cancellation: &Cancellation) -> Session {
-        Session { cancellation: cancellation.clone(), ..self.clone() }
-    }
-
     /// The session within an evaluation of an objective, which may be cancelled.
     pub fn with_trial(&self, cancellation: &Cancellation) -> Session {
         // A trial of its own, since evaluations run side by side; files and recordings are those of the script.

@@ -22,12 +22,11 @@ pub struct Layout {
     pub header: Option<Line<'static>>,
     /// Rows that were read to detect the layout.
     pub rows: VecDeque<Line<'static>>,
-    pub annotations: Annotations,
 }
 
 impl Layout {
-    /// Reads `lines` up to the first row of numbers.
-    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<Layout, Error> {
+    /// Reads `lines` up to the first row of numbers; with the comments before it.
+    pub fn read(lines: &mut Lines<impl BufRead>, options: &ReadOptions) -> Result<(Layout, Annotations), Error> {
         let Head { mut lines, first, mut comments } = Head::read(lines)?;
         let separator = separator(&first.text, options);
         let mut rows = VecDeque::from([first]);
@@ -38,8 +37,8 @@ impl Layout {
         if !options.names.is_empty() {
             comments.extend(lines.iter().map(|line| quoted(line, "not used, since names are given")));
             let columns = options.names.iter().map(|name| ColumnName::read(name)).collect();
-            let annotations = Annotations::new(comments);
-            return Layout { separator, columns, header: None, rows, annotations }.checked();
+            let layout = Layout { separator, columns, header: None, rows }.checked()?;
+            return Ok((layout, Annotations::new(comments)));
         }
         let units = take_units(&mut lines, separator);
         let header = lines.pop();
@@ -49,11 +48,11 @@ impl Layout {
             Some(header) => trimmed(separator.cells(&header.text)).map(|cell| ColumnName::read(&cell.text)).collect(),
             None => numbered(separator, &rows[0], &mut annotations),
         };
-        let mut layout = Layout { separator, columns, header, rows, annotations };
+        let mut layout = Layout { separator, columns, header, rows };
         if let Some((line, units)) = units {
             layout.add_units(&line, units)?;
         }
-        layout.checked()
+        Ok((layout.checked()?, annotations))
     }
 
     /// The place of the column that holds the time.

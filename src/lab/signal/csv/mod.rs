@@ -8,15 +8,14 @@
 mod cell;
 mod layout;
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, Write};
 use std::path::Path;
 use std::rc::Rc;
 
 use ::csv::WriterBuilder;
 
 use crate::error::{Error, refusal};
-use crate::signal::catalogue::{self, Axis, Catalogue, Entry, Loaded, Subject, Terms};
+use crate::signal::catalogue::{Axis, Catalogue, Entry, Loaded, Reader, Subject, Terms};
 use crate::signal::column_name::ColumnName;
 use crate::signal::measurement::{MOST_VALUES, not_increasing};
 use crate::signal::text::{self, Line, Lines};
@@ -32,7 +31,10 @@ pub(in crate::signal) use cell::{Mark, Separator};
 pub struct TextTable<R> {
     lines: Lines<R>,
     layout: Layout,
-    entries: Vec<Entry>,
+    /// Its columns, until they are listed elsewhere.
+    pub entries: Vec<Entry>,
+    /// Its comments, and what its reading reports until then.
+    pub annotations: Annotations,
     /// Place of the time; none where no column is called so, or several are.
     time: Option<usize>,
     gaps: &'static [&'static str],
@@ -42,14 +44,15 @@ pub struct TextTable<R> {
 impl<R: BufRead> TextTable<R> {
     /// Reads the `lines` of a table up to its first row. Its rows are read once, one line after the other.
     pub fn new(mut lines: Lines<R>, options: &ReadOptions) -> Result<TextTable<R>, Error> {
-        let layout = Layout::read(&mut lines, options)?;
+        let (layout, annotations) = Layout::read(&mut lines, options)?;
         let time = layout.time(options).map_err(Rc::new);
         let entry = |column: &ColumnName| Entry {
             axis: time.clone().map_or_else(Axis::Refused, Axis::Channel),
             ..Entry::from_column("", column.clone())
         };
         let entries = layout.columns.iter().map(entry).collect();
-        Ok(TextTable { lines, layout, entries, time: time.ok(), gaps: options.gaps, loaded: Loaded::default() })
+        let (time, gaps, loaded) = (time.ok(), options.gaps, Loaded::default());
+        Ok(TextTable { lines, layout, entries, annotations, time, gaps, loaded })
     }
 
     /// Whether it has a line of names.
@@ -58,8 +61,13 @@ impl<R: BufRead> TextTable<R> {
     }
 
     /// The values of these columns, in one pass; those of the `time` must increase.
-    pub fn read_columns(&mut self, places: &[usize], time: Option<usize>) -> Result<Vec<Vec<f64>>, Error> {
-        Rows::new(&self.layout, places, time, self.gaps).read(&mut self.layout, &mut self.lines)
+    pub fn read_columns(
+        &mut self,
+        places: &[usize],
+        time: Option<usize>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        Rows::new(&self.layout, places, time, self.gaps).read(&mut self.layout, &mut self.lines, warnings)
     }
 
     /// Number of rows, which are read for it.
@@ -73,29 +81,21 @@ impl<R: BufRead> TextTable<R> {
     }
 }
 
-impl TextTable<BufReader<File>> {
-    /// Opens the table at `path`.
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<TextTable<BufReader<File>>, Error> {
-        TextTable::new(text::open(path)?, options)
-    }
+/// Lists the columns of the table at `path`.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Catalogue, Error> {
+    let mut table = TextTable::new(text::open(path)?, options)?;
+    let (entries, annotations) = (std::mem::take(&mut table.entries), std::mem::take(&mut table.annotations));
+    Ok(Catalogue::new(entries, annotations, table))
 }
 
-impl<R: BufRead> Catalogue for TextTable<R> {
-    fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.layout.annotations
-    }
-
+impl<R: BufRead> Reader for TextTable<R> {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         Ok(self.loaded.take(place))
     }
 
-    fn load(&mut self, channels: &[usize], times: &[usize]) -> Result<(), Error> {
+    fn load(&mut self, channels: &[usize], times: &[usize], warnings: &mut Vec<Warning>) -> Result<(), Error> {
         let wanted = [channels, times].concat();
-        let values = self.read_columns(&wanted, self.time.filter(|time| times.contains(time)))?;
+        let values = self.read_columns(&wanted, self.time.filter(|time| times.contains(time)), warnings)?;
         wanted.into_iter().zip(values).for_each(|(place, values)| self.loaded.insert(place, values));
         Ok(())
     }
@@ -117,7 +117,7 @@ impl<R: BufRead> Catalogue for TextTable<R> {
 /// unit, and by their name with the SI unit where they were not.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let options = ReadOptions::default();
-    let measurement = TextTable::open(path, &options).and_then(|mut table| catalogue::measure(&mut table, &options));
+    let measurement = open(path, &options).and_then(|table| table.measure(&options));
     measurement.map(|found| found.recording().unwrap_or_default()).map_err(|error| error.in_file(path))
 }
 
@@ -147,7 +147,12 @@ impl Rows {
         }
     }
 
-    fn read(mut self, layout: &mut Layout, lines: &mut Lines<impl BufRead>) -> Result<Vec<Vec<f64>>, Error> {
+    fn read(
+        mut self,
+        layout: &mut Layout,
+        lines: &mut Lines<impl BufRead>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<Vec<f64>>, Error> {
         while let Some(line) = layout.rows.pop_front() {
             self.push(&line, layout)?;
         }
@@ -163,7 +168,6 @@ impl Rows {
                 self.push(&line, layout)?;
             }
         }
-        let warnings = &mut layout.annotations.warnings;
         warnings.extend(comments.any().map(|[count, first]| Warning::SkippedComments { count, first }));
         warnings.extend(blanks.any().map(|[count, first]| Warning::SkippedBlanks { count, first }));
         Ok(self.values)

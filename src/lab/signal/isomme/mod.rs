@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
 
-use super::catalogue::{Axis, Catalogue, Entry, Subject, Terms};
+use super::catalogue::{Axis, Catalogue, Entry, Reader, Subject, Terms};
 use super::column_name::ColumnName;
 use super::warning::Extreme;
 use super::{Annotations, Series, Warning};
@@ -26,51 +26,47 @@ use files::{Files, Member, number};
 pub use channel::{Header, HeaderLine};
 pub use files::is_part;
 
-/// A container whose channels are listed, or one channel of it: of all only the headers were read.
-pub struct IsoMme {
+/// The headers of a container, or of one channel of it.
+struct IsoMme {
     heads: Vec<ChannelHead>,
-    entries: Vec<Entry>,
-    annotations: Annotations,
 }
 
-impl IsoMme {
-    /// Lists the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.
-    pub fn open(path: &Path) -> Result<IsoMme, Error> {
-        let files = Files::locate(path)?;
-        let named = number(path);
-        let (mut heads, mut single, mut comments, mut warnings) = (Vec::new(), None, Vec::new(), Vec::new());
-        for file in &files.channels {
-            let is_named = named.is_some() && number(&file.path) == named;
-            match ChannelHead::read(file) {
-                Ok(head) => {
-                    single = single.or(is_named.then_some(heads.len()));
-                    heads.push(head);
-                }
-                // A single channel is read even if others are not readable.
-                Err(error) if named.is_some() && !is_named => {
-                    warnings.push(Warning::UnreadableChannel { error: error.to_string() });
-                }
-                Err(error) => return Err(error),
+/// Lists the channels of the container that the file or folder at `path` belongs to; of a channel file that one alone.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let files = Files::locate(path)?;
+    let named = number(path);
+    let (mut heads, mut single, mut comments, mut warnings) = (Vec::new(), None, Vec::new(), Vec::new());
+    for file in &files.channels {
+        let is_named = named.is_some() && number(&file.path) == named;
+        match ChannelHead::read(file) {
+            Ok(head) => {
+                single = single.or(is_named.then_some(heads.len()));
+                heads.push(head);
             }
-        }
-        match &files.test {
-            Some(test) => {
-                let header = read_header(test, &mut warnings)?;
-                let lines = header.lines().iter().filter(|line| line.key.eq_ignore_ascii_case("Comments"));
-                comments.extend(lines.filter_map(|line| line.value.clone()));
+            // A single channel is read even if others are not readable.
+            Err(error) if named.is_some() && !is_named => {
+                warnings.push(Warning::UnreadableChannel { error: error.to_string() });
             }
-            None if single.is_none() => warnings.push(Warning::NoTestFile),
-            None => {}
+            Err(error) => return Err(error),
         }
-        match (&files.list, single) {
-            (Some(list), None) => compare(&mut heads, list, &mut warnings)?,
-            (None, None) => warnings.push(Warning::NoChannelList),
-            (_, Some(_)) => {}
-        }
-        let mut annotations = Annotations::new(comments);
-        annotations.warnings = warnings;
-        Ok(IsoMme { entries: entries(&heads, single), heads, annotations })
     }
+    match &files.test {
+        Some(test) => {
+            let header = read_header(test, &mut warnings)?;
+            let lines = header.lines().iter().filter(|line| line.key.eq_ignore_ascii_case("Comments"));
+            comments.extend(lines.filter_map(|line| line.value.clone()));
+        }
+        None if single.is_none() => warnings.push(Warning::NoTestFile),
+        None => {}
+    }
+    match (&files.list, single) {
+        (Some(list), None) => compare(&mut heads, list, &mut warnings)?,
+        (None, None) => warnings.push(Warning::NoChannelList),
+        (_, Some(_)) => {}
+    }
+    let mut annotations = Annotations::new(comments);
+    annotations.warnings = warnings;
+    Ok(Catalogue::new(entries(&heads, single), annotations, IsoMme { heads }))
 }
 
 /// Compares the list of channels with the channel files, by their codes.
@@ -152,21 +148,13 @@ fn axis(head: &ChannelHead, places: &HashMap<&str, usize>) -> Result<Axis, Error
     Ok(Axis::Steps { start: head.number("Time of first sample")?.unwrap_or(0.0), step })
 }
 
-impl Catalogue for IsoMme {
-    fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for IsoMme {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         self.heads[place].values()
     }
 
-    fn review(&mut self, place: usize, times: &Numbers, values: &[f64]) -> Result<(), Error> {
-        let (head, warnings) = (&self.heads[place], &mut self.annotations.warnings);
+    fn review(&self, place: usize, times: &Numbers, values: &[f64], warnings: &mut Vec<Warning>) -> Result<(), Error> {
+        let head = &self.heads[place];
         let channel = || head.name.clone();
         let says = |key: &str| head.header.text(key).is_some();
         warnings.extend((!says("Number of samples")).then(|| Warning::SampleCountMissing { channel: channel() }));

@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::catalogue::{Axis, Catalogue, Entry};
+use super::catalogue::{Axis, Catalogue, Entry, Reader};
 use super::text::unreadable;
 use super::{Annotations, Warning};
 use crate::error::Error;
@@ -34,15 +34,13 @@ pub fn is_own(first: &[u8]) -> bool {
     first.starts_with(TAG) || first.starts_with(INDEX_TAG)
 }
 
-/// A TDMS file whose channels are listed.
-pub struct Tdms {
+/// A TDMS file.
+struct Tdms {
     source: BufReader<File>,
     objects: Objects,
     segments: Vec<Segment>,
-    entries: Vec<Entry>,
-    /// Object and scales of each entry.
+    /// Object and scales of each channel.
     channels: Vec<(usize, Option<Scales>)>,
-    annotations: Annotations,
 }
 
 /// Properties of a channel that have their own use.
@@ -56,22 +54,22 @@ const STEP_UNIT: &str = "wf_xunit_string";
 /// Longest text of a property that becomes a comment, characters.
 const LONGEST_COMMENT: usize = 200;
 
-impl Tdms {
-    /// Reads everything but the values.
-    pub fn open(path: &Path) -> Result<Tdms, Error> {
-        let file = file::open(path)?;
-        let length = file.metadata().map_err(|error| unreadable(&error))?.len();
-        let mut source = BufReader::with_capacity(1 << 16, file);
-        let Segments { objects, segments, missing } = Segments::read(&mut source, length)?;
-        let mut annotations = Annotations::new(comments(&objects));
-        annotations.warnings.extend(missing.map(|missing| Warning::TruncatedFile { missing }));
-        let mut tdms = Tdms { source, objects, segments, entries: Vec::new(), channels: Vec::new(), annotations };
-        tdms.list()?;
-        Ok(tdms)
-    }
+/// Reads everything but the values.
+pub fn open(path: &Path) -> Result<Catalogue, Error> {
+    let file = file::open(path)?;
+    let length = file.metadata().map_err(|error| unreadable(&error))?.len();
+    let mut source = BufReader::with_capacity(1 << 16, file);
+    let Segments { objects, segments, missing } = Segments::read(&mut source, length)?;
+    let mut annotations = Annotations::new(comments(&objects));
+    annotations.warnings.extend(missing.map(|missing| Warning::TruncatedFile { missing }));
+    let mut tdms = Tdms { source, objects, segments, channels: Vec::new() };
+    let entries = tdms.list(&mut annotations.warnings)?;
+    Ok(Catalogue::new(entries, annotations, tdms))
+}
 
+impl Tdms {
     /// Lists the channels.
-    fn list(&mut self) -> Result<(), Error> {
+    fn list(&mut self, warnings: &mut Vec<Warning>) -> Result<Vec<Entry>, Error> {
         let mut found: Vec<Found> = vec![Found::default(); self.objects.all.len()];
         for segment in &self.segments {
             for (place, (object, index)) in segment.list.members.iter().enumerate() {
@@ -85,6 +83,7 @@ impl Tdms {
             }
         }
         let mut first_start: Option<(String, Timestamp)> = None;
+        let mut entries = Vec::new();
         for (place, object) in self.objects.all.iter().enumerate() {
             let [group, name] = &object.names[..] else { continue };
             let unit = UNITS.iter().find_map(|name| text(&object.properties, name).filter(|unit| !unit.is_empty()));
@@ -104,10 +103,10 @@ impl Tdms {
             if let (Some(Value::Time(start)), Axis::Steps { .. }) = (object.properties.get(START_TIME), &entry.axis) {
                 let (first, earliest) = first_start.get_or_insert_with(|| (entry.label().to_owned(), *start));
                 let apart = start.since(*earliest);
-                let is_told = self.annotations.warnings.iter().any(|w| matches!(w, Warning::StartTimesDiffer { .. }));
+                let is_told = warnings.iter().any(|w| matches!(w, Warning::StartTimesDiffer { .. }));
                 if apart != 0.0 && !is_told {
                     let (first, other) = (first.clone(), entry.label().to_owned());
-                    self.annotations.warnings.push(Warning::StartTimesDiffer { first, other, apart });
+                    warnings.push(Warning::StartTimesDiffer { first, other, apart });
                 }
             }
             let scales = self.scales(object);
@@ -117,10 +116,10 @@ impl Tdms {
                 (None, Err(why)) => Some(why.clone()),
                 (None, Ok(scales)) => self.unscaled(place, scales.as_ref()),
             };
-            self.entries.push(entry);
+            entries.push(entry);
             self.channels.push((place, scales.ok().flatten()));
         }
-        Ok(())
+        Ok(entries)
     }
 
     /// The scales of a channel: its own, those of its group or those of the file.
@@ -180,15 +179,7 @@ impl Tdms {
     }
 }
 
-impl Catalogue for Tdms {
-    fn entries(&self) -> &[Entry] {
-        &self.entries
-    }
-
-    fn annotations(&mut self) -> &mut Annotations {
-        &mut self.annotations
-    }
-
+impl Reader for Tdms {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         let (object, scales) = self.channels[place].clone();
         let mut values = self.stored(object, scales.as_ref().and_then(|scales| scales.scaler))?;
