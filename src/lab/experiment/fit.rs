@@ -1,7 +1,10 @@
 //! Linear least squares of few coefficients over many rows, and nonlinear ones of residuals.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use std::cell::RefCell;
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, MinimizationReport};
 use nalgebra::{SMatrix, SVector};
+// The version of nalgebra that the crate of the method uses.
 use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
 
 use base::cancellation::stop_if_cancelled;
@@ -52,35 +55,30 @@ impl<const N: usize> Moments<N> {
     }
 }
 
-// The version of nalgebra that the crate uses.
+/// Residuals of unknowns u, for a search after Levenberg and Marquardt.
+pub trait Residuals {
+    /// Those at u; none ends the search.
+    fn at(&mut self, u: &[f64]) -> Option<Vec<f64>>;
 
-/// Difference of an unknown over its size, at least one, by which residuals are differentiated.
-const DIFFERENCE: f64 = 1e-5;
+    /// Their derivatives at u, a column for each unknown; none ends the search.
+    fn derivatives(&mut self, u: &[f64]) -> Option<Vec<Vec<f64>>>;
+}
 
-/// Evaluations for each unknown.
-const PATIENCE: usize = 200;
-
-/// Stands for a residual that is not finite.
-const WORST: f64 = 1e6;
-
-/// A local minimum of |r(u)|² below `start`, of unknowns of order one.
-pub(super) fn descend(start: Vec<f64>, residuals: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
-    let problem = Problem { u: DVector::from_vec(start), residuals };
-    let (problem, _) = LevenbergMarquardt::new().with_tol(1e-15).with_patience(PATIENCE).minimize(problem);
-    problem.u.as_slice().to_vec()
+/// A local minimum of |r(u)|² below `start`, and why the search ended there.
+pub fn minimize(
+    method: LevenbergMarquardt<f64>,
+    start: Vec<f64>,
+    residuals: &mut dyn Residuals,
+) -> (Vec<f64>, MinimizationReport<f64>) {
+    let problem = Problem { u: DVector::from_vec(start), residuals: RefCell::new(residuals) };
+    let (problem, report) = method.minimize(problem);
+    (problem.u.as_slice().to_vec(), report)
 }
 
 struct Problem<'a> {
     u: DVector<f64>,
-    residuals: &'a dyn Fn(&[f64]) -> Vec<f64>,
-}
-
-impl Problem<'_> {
-    fn residuals_at(&self, u: &[f64]) -> DVector<f64> {
-        stop_if_cancelled();
-        let finite = |r: f64| if r.is_finite() { r } else { WORST };
-        DVector::from_vec((self.residuals)(u).into_iter().map(finite).collect())
-    }
+    /// The crate evaluates through shared references.
+    residuals: RefCell<&'a mut dyn Residuals>,
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
@@ -97,20 +95,54 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.residuals_at(self.u.as_slice()))
+        self.residuals.borrow_mut().at(self.u.as_slice()).map(DVector::from_vec)
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let columns = self.residuals.borrow_mut().derivatives(self.u.as_slice())?;
+        Some(DMatrix::from_columns(&columns.into_iter().map(DVector::from_vec).collect::<Vec<_>>()))
+    }
+}
+
+/// `u` with the unknown at `index` moved by `step`.
+pub fn moved(u: &[f64], index: usize, step: f64) -> Vec<f64> {
+    let mut u = u.to_vec();
+    u[index] += step;
+    u
+}
+
+/// Difference of an unknown over its size, at least one, by which residuals are differentiated.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Evaluations for each unknown.
+const PATIENCE: usize = 200;
+
+/// Stands for a residual that is not finite.
+const WORST: f64 = 1e6;
+
+/// A local minimum of |r(u)|² below `start`, of unknowns of order one.
+pub(super) fn descend(start: Vec<f64>, residuals: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let method = LevenbergMarquardt::new().with_tol(1e-15).with_patience(PATIENCE);
+    minimize(method, start, &mut Finite(residuals)).0
+}
+
+/// Residuals that are finite everywhere, and their central differences.
+struct Finite<'a>(&'a dyn Fn(&[f64]) -> Vec<f64>);
+
+impl Residuals for Finite<'_> {
+    fn at(&mut self, u: &[f64]) -> Option<Vec<f64>> {
+        stop_if_cancelled();
+        let finite = |r: f64| if r.is_finite() { r } else { WORST };
+        Some((self.0)(u).into_iter().map(finite).collect())
+    }
+
+    fn derivatives(&mut self, u: &[f64]) -> Option<Vec<Vec<f64>>> {
         let column = |index: usize| {
-            let step = DIFFERENCE * self.u[index].abs().max(1.0);
-            let beside = |step: f64| {
-                let mut u = self.u.clone();
-                u[index] += step;
-                self.residuals_at(u.as_slice())
-            };
-            (beside(step) - beside(-step)) / (2.0 * step)
+            let step = DIFFERENCE * u[index].abs().max(1.0);
+            let [above, below] = [step, -step].map(|step| self.at(&moved(u, index, step)));
+            Some(above?.iter().zip(below?).map(|(above, below)| (above - below) / (2.0 * step)).collect())
         };
-        Some(DMatrix::from_columns(&(0..self.u.len()).map(column).collect::<Vec<_>>()))
+        (0..u.len()).map(column).collect()
     }
 }
 

@@ -6,7 +6,7 @@ pub mod coupling;
 pub mod coupon;
 pub mod drop;
 pub mod fall;
-mod fit;
+pub mod fit;
 pub mod law_fit;
 pub mod material_file;
 mod nonnegative;

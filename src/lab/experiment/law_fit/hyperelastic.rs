@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::confidence::{Confidence, ConfidenceOptions, Linearization};
 use crate::error::{Error, refusal};
-use crate::experiment::fit::descend;
+use crate::experiment::fit::{descend, moved};
 use crate::experiment::law_fit::{
     Coefficient, DataSet, FitOptions, LawFit, Measured, Quality, TestFit, TestKind, Warning, range,
 };
@@ -517,12 +517,7 @@ fn intervals(
     let here = at(x);
     let columns = (0..x.len()).map(|index| {
         let step = DIFFERENCE * if x[index] == 0.0 { 1.0 } else { x[index].abs() };
-        let beside = |step: f64| {
-            let mut x = x.to_vec();
-            x[index] += step;
-            at(&x)
-        };
-        let (above, below) = (beside(step), beside(-step));
+        let [above, below] = [step, -step].map(|step| at(&moved(x, index, step)));
         roughness = roughness.max((&above - 2.0 * &here + &below).norm());
         (above - below) / (2.0 * step)
     });

@@ -3,11 +3,8 @@
 //! The differences of the Jacobian are evaluated at once. A failed trial counts as a point with large residuals, so
 //! that the trust region shrinks. Bounds are kept by transform, see [`Bounds`](crate::identify::Bounds).
 
-use std::cell::RefCell;
-
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
-// The version of nalgebra that the crate uses.
-use nalgebra_of_lm::{DMatrix, DVector, Dyn, Owned};
+use lab::experiment::fit::{Residuals, minimize, moved};
+use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 
 use super::{SearchContext, Trials};
 use super::{falls_beyond, onto_bounds};
@@ -84,29 +81,26 @@ fn descend(
     // The crate stops after patience × (n + 1) evaluations: rounded up, so that the limit of the search comes first.
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
     let method = LevenbergMarquardt::new().with_ftol(search.tol_f).with_xtol(search.tol_x).with_patience(patience);
-    let problem = LeastSquares {
-        u: DVector::from_vec(search.bounds.u_of(&start)),
+    let u = search.bounds.u_of(&start);
+    let mut descent = Descent {
+        context,
         worst: WORST * norm(&first),
         count: first.len(),
-        state: RefCell::new(State {
-            context,
-            best: before.map_or((start, f64::INFINITY), |before| (before.x.clone(), before.f)),
-            here: vec![],
-            before: before.map_or(0, |before| before.iterations),
-            iterations: before.map_or(0, |before| before.iterations),
-            history: before.map_or_else(Vec::new, |before| before.history.clone()),
-            squares: vec![],
-            end: None,
-        }),
+        best: before.map_or((start, f64::INFINITY), |before| (before.x.clone(), before.f)),
+        here: vec![],
+        before: before.map_or(0, |before| before.iterations),
+        iterations: before.map_or(0, |before| before.iterations),
+        history: before.map_or_else(Vec::new, |before| before.history.clone()),
+        squares: vec![],
+        end: None,
     };
-    let (problem, report) = method.minimize(problem);
-    let mut state = problem.state.into_inner();
-    if let Some(End::Error(error)) = state.end {
+    let (_, report) = minimize(method, u, &mut descent);
+    if let Some(End::Error(error)) = descent.end {
         return Err(error);
     }
-    state.iterations += 1;
-    state.observe(Step::Final);
-    let State { context, best: (x, f), iterations, history, end, .. } = state;
+    descent.iterations += 1;
+    descent.observe(Step::Final);
+    let Descent { context, best: (x, f), iterations, history, end, .. } = descent;
     let (converged, reason) = match end {
         Some(End::Slow) => (true, StopReason::SlowDescent),
         Some(_) => (false, StopReason::limit(iterations, search)),
@@ -117,18 +111,12 @@ fn descend(
 }
 
 /// Residuals as a function of u, the transform of a point within the bounds.
-struct LeastSquares<'s> {
-    u: DVector<f64>,
+struct Descent<'s> {
+    context: SearchContext<'s>,
     /// Norm of the residuals of a failed trial.
     worst: f64,
     /// Number of residuals.
     count: usize,
-    /// The crate evaluates through shared references.
-    state: RefCell<State<'s>>,
-}
-
-struct State<'s> {
-    context: SearchContext<'s>,
     best: (Vec<f64>, f64),
     /// Residuals of the last trial that did not fail.
     here: Vec<f64>,
@@ -149,7 +137,7 @@ enum End {
     Error(SearchError),
 }
 
-impl State<'_> {
+impl Descent<'_> {
     fn observe(&mut self, step: Step) {
         let (x, f) = self.best.clone();
         let (iteration, evaluations) = (self.iterations, self.context.trials.evaluations());
@@ -158,31 +146,23 @@ impl State<'_> {
         (self.context.observer)(&iteration);
         self.history.push(iteration);
     }
-}
 
-impl LeastSquares<'_> {
-    fn x_of(&self, u: &DVector<f64>) -> Vec<f64> {
-        self.state.borrow().context.search.bounds.x_of(u.as_slice())
+    fn x_of(&self, u: &[f64]) -> Vec<f64> {
+        self.context.search.bounds.x_of(u)
     }
 
     /// Steps of u for the differences, towards the centre of its range.
-    fn steps(&self) -> Vec<f64> {
-        let state = self.state.borrow();
-        let search = state.context.search;
-        let scales = search.bounds.scales(self.u.as_slice());
+    fn steps(&self, u: &[f64]) -> Vec<f64> {
+        let search = self.context.search;
         let step =
             |(u, scale): (&f64, f64)| if *u > 0.0 { -search.difference * scale } else { search.difference * scale };
-        self.u.iter().zip(scales).map(step).collect()
+        u.iter().zip(search.bounds.scales(u)).map(step).collect()
     }
 
-    /// The points of the differences around the present one.
-    fn difference_points(&self) -> Vec<Vec<f64>> {
-        let moved = |(index, step): (usize, f64)| {
-            let mut u = self.u.clone();
-            u[index] += step;
-            self.x_of(&u)
-        };
-        self.steps().into_iter().enumerate().map(moved).collect()
+    /// The points of the differences around u.
+    fn difference_points(&self, u: &[f64]) -> Vec<Vec<f64>> {
+        let steps = self.steps(u).into_iter().enumerate();
+        steps.map(|(index, step)| self.x_of(&moved(u, index, step))).collect()
     }
 
     fn checked(&self, x: &[f64], value: Option<ObjectiveValue>) -> Result<Option<Vec<f64>>, SearchError> {
@@ -199,52 +179,40 @@ impl LeastSquares<'_> {
         }
     }
 
-    fn evaluate_residuals(&self) -> Result<DVector<f64>, SearchError> {
-        let x = self.x_of(&self.u);
-        let value = {
-            let state = self.state.borrow();
-            // If the step is accepted, as most are, the Jacobian is requested next.
-            state.context.trials.prepare(std::slice::from_ref(&x), &self.difference_points())?;
-            state.context.trials.value(&x)?
-        };
-        let Some(found) = self.checked(&x, value)? else {
+    fn evaluate_residuals(&mut self, u: &[f64]) -> Result<Vec<f64>, SearchError> {
+        let x = self.x_of(u);
+        // If the step is accepted, as most are, the Jacobian is requested next.
+        self.context.trials.prepare(std::slice::from_ref(&x), &self.difference_points(u))?;
+        let Some(found) = self.checked(&x, self.context.trials.value(&x)?)? else {
             // Spread evenly, with the norm `worst`: the crate refuses the step and shortens the next one.
-            return Ok(DVector::from_element(self.count, self.worst / (self.count as f64).sqrt()));
+            return Ok(vec![self.worst / (self.count as f64).sqrt(); self.count]);
         };
         let f = norm(&found);
-        let mut state = self.state.borrow_mut();
-        if f < state.best.1 {
-            state.best = (x, f);
+        if f < self.best.1 {
+            self.best = (x, f);
         }
-        state.here.clone_from(&found);
-        Ok(DVector::from_vec(found))
+        self.here.clone_from(&found);
+        Ok(found)
     }
 
-    /// Differences from the present point, the last one that did not fail; to the other side where a trial fails.
-    fn evaluate_jacobian(&self) -> Result<DMatrix<f64>, SearchError> {
-        let points = self.difference_points();
-        let here = self.state.borrow().here.clone();
-        let found = self.state.borrow().context.trials.values(&points)?;
-        let mut jacobian = DMatrix::zeros(self.count, self.u.len());
-        for (index, value) in found.into_iter().enumerate() {
-            let step = self.steps()[index];
+    /// Differences from u, the last point that did not fail; to the other side where a trial fails.
+    fn evaluate_derivatives(&self, u: &[f64]) -> Result<Vec<Vec<f64>>, SearchError> {
+        let points = self.difference_points(u);
+        let found = self.context.trials.values(&points)?;
+        let column = |(index, (value, step)): (usize, (Option<ObjectiveValue>, f64))| {
             let (there, step) = match self.checked(&points[index], value)? {
                 Some(there) => (there, step),
-                None => (self.residuals_behind(index, step)?, -step),
+                None => (self.residuals_at(&moved(u, index, -step))?, -step),
             };
-            for (row, (there, here)) in there.iter().zip(&here).enumerate() {
-                jacobian[(row, index)] = (there - here) / step;
-            }
-        }
-        Ok(jacobian)
+            Ok(there.iter().zip(&self.here).map(|(there, here)| (there - here) / step).collect())
+        };
+        found.into_iter().zip(self.steps(u)).enumerate().map(column).collect()
     }
 
-    fn residuals_behind(&self, index: usize, step: f64) -> Result<Vec<f64>, SearchError> {
-        let mut u = self.u.clone();
-        u[index] -= step;
-        let x = self.x_of(&u);
-        let value = self.state.borrow().context.trials.value(&x)?;
-        self.checked(&x, value)?.ok_or_else(|| {
+    /// The residuals behind u, where those before it failed.
+    fn residuals_at(&self, u: &[f64]) -> Result<Vec<f64>, SearchError> {
+        let x = self.x_of(u);
+        self.checked(&x, self.context.trials.value(&x)?)?.ok_or_else(|| {
             SearchError::refused(format!(
                 "a trial failed at {x:?}: the trials on both sides failed, there is no derivative"
             ))
@@ -252,60 +220,40 @@ impl LeastSquares<'_> {
     }
 
     /// The value; none, which stops the crate, where the search ends.
-    fn unless_ended<T>(&self, value: Result<T, SearchError>) -> Option<T> {
-        let mut state = self.state.borrow_mut();
+    fn unless_ended<T>(&mut self, value: Result<T, SearchError>) -> Option<T> {
         match value {
-            Ok(_) if state.context.trials.evaluations() > state.context.search.max_evaluations => {
-                state.end = Some(End::Limit);
+            Ok(_) if self.context.trials.evaluations() > self.context.search.max_evaluations => {
+                self.end = Some(End::Limit);
                 None
             }
             Ok(value) => Some(value),
             Err(error) => {
-                state.end = Some(End::Error(error));
+                self.end = Some(End::Error(error));
                 None
             }
         }
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for LeastSquares<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn>;
-
-    fn set_params(&mut self, u: &DVector<f64>) {
-        self.u.copy_from(u);
+impl Residuals for Descent<'_> {
+    fn at(&mut self, u: &[f64]) -> Option<Vec<f64>> {
+        let found = self.evaluate_residuals(u);
+        self.unless_ended(found)
     }
 
-    fn params(&self) -> DVector<f64> {
-        self.u.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        self.unless_ended(self.evaluate_residuals())
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let end = {
-            let mut state = self.state.borrow_mut();
-            state.iterations += 1;
-            // The crate asks for a Jacobian at the start and after each accepted step: iterations are counted by these.
-            let step = if state.iterations == state.before + 1 { Step::Initial } else { Step::Accepted };
-            state.observe(step);
-            let square = norm(&state.here).powi(2);
-            state.squares.push(square);
-            let is_over = state.iterations >= state.context.search.max_iterations;
-            if is_over {
-                Some(End::Limit)
-            } else {
-                is_slow(&state.squares, state.context.search.tol_f).then_some(End::Slow)
-            }
-        };
-        if end.is_some() {
-            self.state.borrow_mut().end = end;
+    fn derivatives(&mut self, u: &[f64]) -> Option<Vec<Vec<f64>>> {
+        self.iterations += 1;
+        // The crate asks for derivatives at the start and after each accepted step: iterations are counted by these.
+        self.observe(if self.iterations == self.before + 1 { Step::Initial } else { Step::Accepted });
+        self.squares.push(norm(&self.here).powi(2));
+        let search = self.context.search;
+        let is_over = (self.iterations >= search.max_iterations).then_some(End::Limit);
+        self.end = is_over.or_else(|| is_slow(&self.squares, search.tol_f).then_some(End::Slow));
+        if self.end.is_some() {
             return None;
         }
-        self.unless_ended(self.evaluate_jacobian())
+        let found = self.evaluate_derivatives(u);
+        self.unless_ended(found)
     }
 }
 
