@@ -66,7 +66,8 @@ pub fn fit(objective: &dyn Objective, names: &[&str], start: Vec<f64>) -> Result
     let estimate = Search { start: result.best.x.clone(), ..search };
     let confidence = with_evaluator(objective, 2, |evaluator| {
         let linearization = linearize_at_start(&estimate, evaluator)?;
-        Confidence::from_linearization(&linearization, &options).map_err(SearchError::refused)
+        Confidence::from_linearization(&linearization, &options)
+            .map_err(|error| SearchError::Refused(error.to_string()))
     })?;
     let parameters = confidence.names.iter().zip(&confidence.x).zip(&confidence.intervals);
     let parameters =

@@ -21,11 +21,14 @@ pub struct Format {
     is_own: fn(&[u8]) -> bool,
 }
 
+/// Lists the channels of the file at a path.
+pub type Open = fn(&Path) -> Result<Catalogue, Error>;
+
 /// Whether a format is read.
 #[derive(Clone, Copy, Debug)]
 pub enum Support {
     /// It is; what becomes of its parts, and what lists the channels of a file, for formats that are known by their first bytes.
-    Read(&'static str, Option<fn(&Path) -> Result<Catalogue, Error>>),
+    Read(&'static str, Option<Open>),
     /// It is not; the conversion that helps.
     Refused(&'static str),
 }

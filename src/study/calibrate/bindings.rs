@@ -77,7 +77,7 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_get("x", |own: &mut Calibration| own.values())
         .register_get("error", |own: &mut Calibration| own.0.fit.result.best.f)
         .register_get("converged", |own: &mut Calibration| own.0.fit.result.best.converged)
-        .register_get("reason", |own: &mut Calibration| own.0.fit.result.best.reason.to_string())
+        .register_get("reason", |own: &mut Calibration| own.0.fit.result.best.reason.clone())
         .register_get("model_error", |own: &mut Calibration| match own.0.plan.has_residuals() {
             true => own.0.fit.share.into(),
             false => Dynamic::UNIT,

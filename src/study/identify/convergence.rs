@@ -179,7 +179,6 @@ impl fmt::Display for Progress {
 mod tests {
     use super::*;
     use crate::identify::options::Method;
-    use crate::identify::search::Step;
 
     /// Quantity and symbol of the unit.
     fn parts(label: &SignalLabel) -> (&str, Option<&str>) {
@@ -219,7 +218,7 @@ mod tests {
     fn progress_shows_the_names_of_unknowns() {
         let names = vec!["k1".into(), "ke".into()];
         let search = Search { names, ..Search::new(Method::CmaEs, vec![1.0, 2.0]) };
-        let (x, step) = (vec![2.75, 1.0 / 3.0], Step::Shrunk);
+        let (x, step) = (vec![2.75, 1.0 / 3.0], "shrunk");
         let iteration =
             Iteration { start: 0, iteration: 7, evaluations: 15, x, f: 0.1, size: None, spread: None, step };
         let progress = Progress::after(&iteration, &search, Some("1008"));

@@ -12,18 +12,16 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::identify::objective::{Evaluation, Objective, ObjectiveValue, SearchError, Trial};
+use crate::identify::objective::{Evaluation, Objective, ObjectiveValue, SearchError, Trial, refused};
 use crate::identify::options::Search;
+use crate::script::STACK;
 use base::cancellation::Cancellation;
 use lab::confidence::Linearization;
-
-/// Stack of a thread of the pool, bytes, where nothing else is asked for.
-const STACK: usize = 8 << 20;
+use lab::experiment::fit::moved;
 
 /// The threads that evaluate the trials of searches.
 pub struct TrialPool<'a> {
     threads: usize,
-    stack: usize,
     observer: Observer<'a>,
     objectives: Vec<&'a dyn Objective>,
 }
@@ -85,17 +83,12 @@ impl Drop for EndGuard<'_, '_> {
 impl<'a> TrialPool<'a> {
     /// A pool of `threads` for `objectives`, one for each search.
     pub fn new(objectives: Vec<&'a dyn Objective>, threads: usize) -> TrialPool<'a> {
-        TrialPool { threads: threads.max(1), stack: STACK, observer: Box::new(|_, _| {}), objectives }
+        TrialPool { threads: threads.max(1), observer: Box::new(|_, _| {}), objectives }
     }
 
     /// The pool that tells `observer` of every trial. No lock is held meanwhile.
     pub fn with_observer(self, observer: impl Fn(usize, TrialEvent<'_>) + Send + Sync + 'a) -> TrialPool<'a> {
         TrialPool { observer: Box::new(observer), ..self }
-    }
-
-    /// The pool with stacks of `bytes`.
-    pub fn with_stack(self, bytes: usize) -> TrialPool<'a> {
-        TrialPool { stack: bytes, ..self }
     }
 
     /// Runs `search` for all objectives at the same time; it gets an evaluator and the number of its objective. The results
@@ -112,9 +105,8 @@ impl<'a> TrialPool<'a> {
         search: impl Fn(&Evaluator<'_>, usize) -> Result<T, SearchError> + Sync,
     ) -> Result<Vec<T>, (usize, SearchError)> {
         // Simulations within a pool of threads take one thread each.
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).stack_size(self.stack).build();
-        let pool =
-            pool.map_err(|error| (0, SearchError::refused(format!("cannot start threads for trials: {error}"))))?;
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK).build();
+        let pool = pool.map_err(|error| (0, refused!("cannot start threads for trials: {error}")))?;
         let evaluator = |(number, objective): (usize, &&'a dyn Objective)| Evaluator {
             objective: *objective,
             pool: &pool,
@@ -253,7 +245,7 @@ fn linearize(search: &Search, evaluator: &Evaluator<'_>, fewest: usize) -> Resul
         steps
             .iter()
             .enumerate()
-            .flat_map(|(index, steps)| steps.iter().flatten().map(move |step| beside(x, index, *step))),
+            .flat_map(|(index, steps)| steps.iter().flatten().map(move |step| moved(x, index, *step))),
     );
     let mut found = evaluator.evaluate_all(&points)?.into_iter();
     let residuals = match found.next() {
@@ -262,11 +254,11 @@ fn linearize(search: &Search, evaluator: &Evaluator<'_>, fewest: usize) -> Resul
         None => return Err(SearchError::Ended),
     };
     if residuals.len() < fewest {
-        return Err(SearchError::refused(format!(
+        return Err(refused!(
             "the objective gave {found} residuals for {unknowns} parameters: there must be more residuals than parameters",
             found = residuals.len(),
             unknowns = x.len()
-        )));
+        ));
     }
     let mut linearization = Linearization {
         x: x.clone(),
@@ -295,7 +287,7 @@ fn set_column(
     let mut slopes = Vec::new();
     let mut failure = None;
     for (step, found) in sides {
-        let x = beside(&linearization.x, index, step);
+        let x = moved(&linearization.x, index, step);
         match residuals(found)? {
             Ok(there) => slopes.push((step, difference(linearization, &x, there)?)),
             Err(failed) => failure = Some(failed.at(beside_parameter(&x))),
@@ -326,9 +318,7 @@ fn set_column(
 fn difference(linearization: &Linearization, x: &[f64], there: Vec<f64>) -> Result<DVector<f64>, SearchError> {
     let (found, expected) = (there.len(), linearization.residuals.len());
     if found != expected {
-        return Err(SearchError::refused(format!(
-            "the objective gave {found} residuals at {x:?}, and {expected} at the estimate"
-        )));
+        return Err(refused!("the objective gave {found} residuals at {x:?}, and {expected} at the estimate"));
     }
     Ok(DVector::from_vec(there) - &linearization.residuals)
 }
@@ -341,12 +331,6 @@ fn steps(search: &Search, index: usize) -> [Option<f64>; 2] {
     let step = (search.difference * size).min(0.25 * (upper - lower));
     let within = |step: &f64| (lower..=upper).contains(&(x + step));
     [Some(step).filter(within), Some(-step).filter(within)]
-}
-
-fn beside(x: &[f64], index: usize, step: f64) -> Vec<f64> {
-    let mut x = x.to_vec();
-    x[index] += step;
-    x
 }
 
 /// Why a trial has no residuals.
@@ -367,9 +351,9 @@ impl Failed {
 fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, SearchError> {
     match found {
         Evaluation::Value(ObjectiveValue::Residuals(residuals)) => Ok(Ok(residuals)),
-        Evaluation::Value(ObjectiveValue::Scalar(_)) => Err(SearchError::refused(
-            "the objective gave a number, and a confidence needs residuals: return a signal or a list",
-        )),
+        Evaluation::Value(ObjectiveValue::Scalar(_)) => {
+            Err(refused!("the objective gave a number, and a confidence needs residuals: return a signal or a list",))
+        }
         Evaluation::Failed { cause, numerical } => Ok(Err(Failed { cause, numerical })),
         Evaluation::Fatal(cause) => Err(cause.into()),
     }

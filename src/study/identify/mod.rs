@@ -33,5 +33,5 @@ pub use crate::identify::evaluator::{
 };
 pub use crate::identify::objective::{Evaluation, FatalError, Objective, ObjectiveValue, SearchError, Trial};
 pub use crate::identify::options::{Bounds, Method, Point, Search, Side, Starts};
-pub use crate::identify::search::{Iteration, SearchResult, StartResult, Step, StopReason, minimize};
+pub use crate::identify::search::{Iteration, SearchResult, StartResult, minimize};
 pub use crate::identify::warning::{CODES, Warning};

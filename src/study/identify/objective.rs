@@ -96,12 +96,13 @@ pub enum SearchError {
     Refused(String),
 }
 
-impl SearchError {
-    /// What is searched, or what the objective gives, does not suit for this cause.
-    pub fn refused(cause: impl fmt::Display) -> SearchError {
-        SearchError::Refused(cause.to_string())
-    }
+/// What is searched, or what the objective gives, does not suit for this cause, a text as that of `format!`.
+macro_rules! refused {
+    ($($cause:tt)*) => { $crate::identify::objective::SearchError::Refused(format!($($cause)*)) };
+}
+pub(crate) use refused;
 
+impl SearchError {
     /// Whether a simulation failed numerically.
     pub(crate) fn is_numerical(&self) -> bool {
         matches!(self, SearchError::Trial { numerical: true, .. })

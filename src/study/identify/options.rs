@@ -13,7 +13,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::objective::SearchError;
+use super::objective::{SearchError, refused};
 use base::number;
 
 /// The method of a search.
@@ -120,87 +120,40 @@ impl Search {
     /// # Errors
     /// The first option that is invalid.
     pub fn check(&self) -> Result<(), SearchError> {
-        let unknowns = self.start.len();
-        if !(1..=Search::MAX_UNKNOWNS).contains(&unknowns) {
-            return Err(SearchError::refused(format!(
-                "a search needs 1 to {} unknowns, the start has {unknowns}",
-                Search::MAX_UNKNOWNS
-            )));
+        let (unknowns, most, none) = (self.start.len(), Search::MAX_UNKNOWNS, vec![]);
+        if !(1..=most).contains(&unknowns) {
+            return Err(refused!("a search needs 1 to {most} unknowns, the start has {unknowns}"));
         }
         if self.names.len() != unknowns {
-            return Err(SearchError::refused(format!(
-                "`names` has {found} entries for {unknowns} unknowns",
-                found = self.names.len()
-            )));
+            return Err(refused!("`names` has {} entries for {unknowns} unknowns", self.names.len()));
         }
-        for (option, found) in [("tol_x", self.tol_x), ("tol_f", self.tol_f)] {
-            if !(found.is_finite() && found >= 0.0) {
-                return Err(SearchError::refused(format!(
-                    "`{option}` is {found}, which must be {range}",
-                    range = "zero or more"
-                )));
-            }
-        }
-        if !(self.difference > 0.0 && self.difference < 1.0) {
-            let (option, found) = ("difference", self.difference);
-            return Err(SearchError::refused(format!(
-                "`{option}` is {found}, which must be {range}",
-                range = "between 0 and 1"
-            )));
-        }
-        for (option, found) in [("max_iterations", self.max_iterations), ("max_evaluations", self.max_evaluations)] {
-            if found == 0 {
-                return Err(SearchError::refused(format!(
-                    "`{option}` is 0.0, which must be {range}",
-                    range = "at least 1"
-                )));
-            }
-        }
-        self.check_starts(unknowns)
-    }
-
-    fn check_starts(&self, unknowns: usize) -> Result<(), SearchError> {
-        let most = Search::MAX_STARTS;
-        let starts = match &self.starts {
-            Starts::One => &vec![],
-            Starts::Spread(count) if (1..=most).contains(count) && self.bounds.are_all() => &vec![],
-            Starts::Spread(count) if !(1..=most).contains(count) => {
-                return Err(SearchError::refused(format!(
-                    "`{option}` is {found}, which must be {range}",
-                    option = "starts",
-                    found = *count as f64,
-                    range = "1 to 1000"
-                )));
-            }
-            Starts::Spread(_) => {
-                return Err(SearchError::refused(
-                    "starts spread over the bounds need `lower` and `upper` for every unknown",
-                ));
-            }
-            Starts::Given(starts) | Starts::Lowest(_, starts) if starts.len() >= most => {
-                return Err(SearchError::refused(format!(
-                    "`{option}` is {found}, which must be {range}",
-                    option = "starts",
-                    found = starts.len() as f64,
-                    range = "1 to 1000"
-                )));
-            }
-            Starts::Given(starts) | Starts::Lowest(_, starts) => starts,
+        let (count, others) = match &self.starts {
+            Starts::One => (1, &none),
+            Starts::Spread(count) => (*count, &none),
+            Starts::Given(others) | Starts::Lowest(_, others) => (1 + others.len(), others),
         };
-        for (number, start) in std::iter::once(&self.start).chain(starts).enumerate() {
+        let is_tolerance = |found: f64| found.is_finite() && found >= 0.0;
+        for (option, found, fits, range) in [
+            ("tol_x", self.tol_x, is_tolerance(self.tol_x), "zero or more"),
+            ("tol_f", self.tol_f, is_tolerance(self.tol_f), "zero or more"),
+            ("difference", self.difference, self.difference > 0.0 && self.difference < 1.0, "between 0 and 1"),
+            ("max_iterations", self.max_iterations as f64, self.max_iterations > 0, "at least 1"),
+            ("max_evaluations", self.max_evaluations as f64, self.max_evaluations > 0, "at least 1"),
+            ("starts", count as f64, (1..=Search::MAX_STARTS).contains(&count), "1 to 1000"),
+        ] {
+            if !fits {
+                return Err(refused!("`{option}` is {found}, which must be {range}"));
+            }
+        }
+        if matches!(self.starts, Starts::Spread(_)) && !self.bounds.are_all() {
+            return Err(refused!("starts spread over the bounds need `lower` and `upper` for every unknown"));
+        }
+        for (start, number) in std::iter::once(&self.start).chain(others).zip(1..) {
             if start.len() != unknowns {
-                return Err(SearchError::refused(format!(
-                    "start {number} has {found} entries for {unknowns} unknowns",
-                    number = number + 1,
-                    found = start.len()
-                )));
+                return Err(refused!("start {number} has {} entries for {unknowns} unknowns", start.len()));
             }
             if let Some(index) = start.iter().position(|x| !x.is_finite()) {
-                return Err(SearchError::refused(format!(
-                    "the start is not finite: {unknown} = {value}",
-                    unknown = self.names[index].clone(),
-                    value = start[index]
-                )));
+                return Err(refused!("the start is not finite: {} = {}", self.names[index], start[index]));
             }
             self.bounds.check(start, &self.names)?;
         }
@@ -262,21 +215,14 @@ impl Bounds {
         let bounds = Bounds { lower: lower.unwrap_or(none.lower), upper: upper.unwrap_or(none.upper) };
         for (which, side) in [("lower", &bounds.lower), ("upper", &bounds.upper)] {
             if side.len() != unknowns {
-                return Err(SearchError::refused(format!(
-                    "`{which}` has {found} entries for {unknowns} unknowns",
-                    found = side.len()
-                )));
+                return Err(refused!("`{which}` has {} entries for {unknowns} unknowns", side.len()));
             }
         }
         let is_wide = |[lower, upper]: [f64; 2]| lower < upper;
-        let tight = bounds.pairs().position(|pair| !is_wide(pair));
-        match tight {
-            Some(index) => {
-                let (unknown, [lower, upper]) = (names[index].clone(), [bounds.lower[index], bounds.upper[index]]);
-                Err(SearchError::refused(format!("the bounds of {unknown} are empty: {lower} to {upper}")))
-            }
-            None => Ok(bounds),
+        if let Some(([lower, upper], unknown)) = bounds.pairs().zip(names).find(|(pair, _)| !is_wide(*pair)) {
+            return Err(refused!("the bounds of {unknown} are empty: {lower} to {upper}"));
         }
+        Ok(bounds)
     }
 
     /// Lower and upper bound of every unknown.
@@ -297,11 +243,8 @@ impl Bounds {
         let outside = x.iter().zip(self.pairs()).position(|(x, [lower, upper])| *x < lower || *x > upper);
         outside.map_or(Ok(()), |index| {
             let [lower, upper] = [self.lower[index], self.upper[index]];
-            Err(SearchError::refused(format!(
-                "the start lies outside the bounds: {unknown} = {value}, which may be {lower} to {upper}",
-                unknown = names[index],
-                value = x[index]
-            )))
+            let (unknown, value) = (&names[index], x[index]);
+            Err(refused!("the start lies outside the bounds: {unknown} = {value}, which may be {lower} to {upper}"))
         })
     }
 

@@ -1,12 +1,8 @@
 //! A search: one method from one or several starts, its iterations and its result.
 
-use std::fmt;
-
-use serde::{Serialize, Serializer};
-
 use super::evaluator::Evaluator;
 use super::method::{Failures, SearchContext, Trials, cma_es, falls_beyond, levenberg_marquardt, nelder_mead};
-use super::objective::{Evaluation, SearchError};
+use super::objective::{Evaluation, SearchError, refused};
 use super::options::{Method, Point, Search, Starts};
 use super::warning::Warning;
 use uncertainty::design::{self, Levels};
@@ -50,7 +46,7 @@ pub fn minimize(
         };
         // Where a bound stops the search no gradient vanishes: the criterion was met, but not at a minimum.
         results.push(match result.converged && !search.bounds.active(&result.x).is_empty() {
-            true => StartResult { converged: false, reason: StopReason::OnBound, ..result },
+            true => StartResult { converged: false, reason: ON_BOUND.into(), ..result },
             false => result,
         });
         failures.add(trials.failures());
@@ -58,9 +54,9 @@ pub fn minimize(
     warnings.extend(left_out_starts(search, left_out));
     warnings.extend(failures.warning(search));
     let Some(best) = results.iter().min_by(|a, b| a.f.total_cmp(&b.f)).cloned() else {
-        return Err(SearchError::refused("there is no start"));
+        return Err(refused!("there is no start"));
     };
-    if !best.converged && best.reason != StopReason::OnBound {
+    if !best.converged && best.reason != ON_BOUND {
         warnings.push(Warning::NotConverged { reason: best.reason.clone() });
     }
     // Trials beside the best point, on the far side of a bound, tell whether the bound costs anything.
@@ -76,6 +72,9 @@ pub fn minimize(
     warnings.extend(disagreement(search, &best, &results));
     Ok(SearchResult { best, starts: results, screened, warnings })
 }
+
+/// Why a search stopped whose tolerances are met at a point on a bound.
+const ON_BOUND: &str = "the best point lies on a bound";
 
 /// Relative difference of objective values, or of points, above which the results of two starts differ, where the
 /// tolerances are not wider.
@@ -159,124 +158,9 @@ pub struct Iteration {
     pub size: Option<f64>,
     /// Nelder–Mead: largest difference of the value at a vertex from the best.
     pub spread: Option<f64>,
-    /// The kind of step that the iteration made.
-    pub step: Step,
-}
-
-/// The kind of step of an iteration of a search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// The first point, simplex or Jacobian.
-    Initial,
-    /// Nelder–Mead: the worst vertex was reflected.
-    Reflected,
-    /// Nelder–Mead: the worst vertex was reflected and expanded.
-    Expanded,
-    /// Nelder–Mead: contracted between centroid and reflected point.
-    ContractedOutside,
-    /// Nelder–Mead: contracted between centroid and worst vertex.
-    ContractedInside,
-    /// Nelder–Mead: all vertices moved towards the best.
-    Shrunk,
-    /// Levenberg–Marquardt: a step was accepted.
-    Accepted,
-    /// Levenberg–Marquardt: the last point.
-    Final,
-    /// CMA-ES: a generation was evaluated.
-    Generation,
-}
-
-impl Step {
-    /// Its name in tables of scripts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Step::Initial => "initial",
-            Step::Reflected => "reflected",
-            Step::Expanded => "expanded",
-            Step::ContractedOutside => "contracted_outside",
-            Step::ContractedInside => "contracted_inside",
-            Step::Shrunk => "shrunk",
-            Step::Accepted => "step",
-            Step::Final => "final",
-            Step::Generation => "generation",
-        }
-    }
-}
-
-/// Why a search stopped.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum StopReason {
-    /// Nelder–Mead: the simplex meets both tolerances.
-    SimplexTolerance,
-    /// Levenberg–Marquardt: the relative reduction of the sum of squares is below `tol_f`.
-    SumOfSquaresTolerance,
-    /// Levenberg–Marquardt: the reductions of three steps in a row are below `tol_f`, though the linear model promises more.
-    SlowDescent,
-    /// Levenberg–Marquardt: the relative change of x is below `tol_x`.
-    StepTolerance,
-    /// Levenberg–Marquardt: the residuals are orthogonal to the columns of the Jacobian.
-    ZeroGradient,
-    /// Levenberg–Marquardt: all residuals are zero.
-    ZeroResiduals,
-    /// CMA-ES: the objective values differ by less than `tol_f`.
-    ObjectiveTolerance,
-    /// CMA-ES: the standard deviations are below `tol_x`.
-    DistributionTolerance,
-    /// The limit of iterations was reached.
-    MaxIterations,
-    /// The limit of evaluations was reached.
-    MaxEvaluations,
-    /// The tolerances are met at a point on a bound.
-    OnBound,
-    /// Levenberg–Marquardt: a tolerance is below what rounding allows; its name in MINPACK.
-    NoImprovement(&'static str),
-    /// Levenberg–Marquardt: this quantity is not finite.
-    NotFinite(&'static str),
-    /// Levenberg–Marquardt: this quantity is missing or has another size than before.
-    Unavailable(&'static str),
-    /// There are no unknowns or no residuals.
-    Empty,
-    /// CMA-ES: another termination criterion, by the name that the method gives it.
-    Method(String),
-}
-
-impl StopReason {
-    /// The limit of `search` that ended it after `iterations`.
-    pub(crate) fn limit(iterations: usize, search: &Search) -> StopReason {
-        if iterations >= search.max_iterations { StopReason::MaxIterations } else { StopReason::MaxEvaluations }
-    }
-}
-
-impl fmt::Display for StopReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            StopReason::SimplexTolerance => f.write_str("the simplex is within tol_x and tol_f"),
-            StopReason::SumOfSquaresTolerance => f.write_str("the sum of squares changes by less than tol_f of itself"),
-            StopReason::SlowDescent => {
-                f.write_str("three steps in a row changed the sum of squares by less than tol_f of itself")
-            }
-            StopReason::StepTolerance => f.write_str("x changes by less than tol_x of itself"),
-            StopReason::ZeroGradient => f.write_str("the gradient is zero"),
-            StopReason::ZeroResiduals => f.write_str("the residuals are zero"),
-            StopReason::ObjectiveTolerance => f.write_str("the objective changes by less than tol_f"),
-            StopReason::DistributionTolerance => f.write_str("the distribution is narrower than tol_x"),
-            StopReason::MaxIterations => f.write_str("max_iterations was reached"),
-            StopReason::MaxEvaluations => f.write_str("max_evaluations was reached"),
-            StopReason::OnBound => f.write_str("the best point lies on a bound"),
-            StopReason::NoImprovement(tolerance) => write!(f, "no improvement is possible ({tolerance})"),
-            StopReason::NotFinite(quantity) => write!(f, "{quantity} is not finite"),
-            StopReason::Unavailable(quantity) => write!(f, "{quantity} unavailable"),
-            StopReason::Empty => f.write_str("there are no unknowns or no residuals"),
-            StopReason::Method(name) => write!(f, "the method stopped ({name})"),
-        }
-    }
-}
-
-/// As its message.
-impl Serialize for StopReason {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
+    /// The kind of step that the iteration made: `initial` and `final`, of Nelder–Mead `reflected`, `expanded`,
+    /// `contracted_outside`, `contracted_inside` and `shrunk`, of Levenberg–Marquardt `step`, of CMA-ES `generation`.
+    pub step: &'static str,
 }
 
 /// The result of one start.
@@ -292,8 +176,8 @@ pub struct StartResult {
     pub evaluations: usize,
     /// Whether a tolerance was met.
     pub converged: bool,
-    /// Why the search stopped.
-    pub reason: StopReason,
+    /// Why the search stopped, in words.
+    pub reason: String,
     /// [`Iteration::size`] at the end.
     pub size: Option<f64>,
     /// All iterations.
@@ -391,7 +275,7 @@ mod tests {
             let parameter = "x0".to_owned();
             let on_bound = Warning::OnBound { parameter, value: 1.0, side: Side::Upper, falls_beyond };
             assert_eq!(best.warnings, [on_bound], "{method:?}");
-            assert!(!best.best.converged && best.best.reason == StopReason::OnBound, "{best:?}");
+            assert!(!best.best.converged && best.best.reason == ON_BOUND, "{best:?}");
         }
     }
 
@@ -542,7 +426,7 @@ mod tests {
         let search = Search { max_evaluations: 20, ..Search::new(Method::NelderMead, vec![-1.2, 1.0]) };
         let best = found(&search, &banana, 1).unwrap();
         assert!(!best.best.converged);
-        assert_eq!(best.warnings, [Warning::NotConverged { reason: StopReason::MaxEvaluations }]);
+        assert_eq!(best.warnings, [Warning::NotConverged { reason: "max_evaluations was reached".into() }]);
     }
 
     #[test]

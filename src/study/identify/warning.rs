@@ -2,7 +2,6 @@
 
 use super::options::Point;
 use super::options::Side;
-use super::search::StopReason;
 use base::findings;
 use base::number;
 
@@ -40,7 +39,7 @@ findings! {
             remedy "tighten the bounds if many failed; use on_rupture \"keep\" for tests that rupture";
             message "{count} {} failed and counted as worst, the first at {first}: {cause}",
                 if *count == 1 { "trial" } else { "trials" };
-        NotConverged { reason: StopReason, "why it stopped" => "reason" } = "not-converged", Warning;
+        NotConverged { reason: String, "why it stopped" => "reason" } = "not-converged", Warning;
             meaning "a search stopped before its tolerances were met";
             remedy "raise max_iterations and max_evaluations, or loosen tol_x and tol_f if the objective is rough";
             message "not converged: {reason}";

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 use crate::identify::bindings::minimize::{self, ScriptSearch, unknown, unknown_option, word};
 use crate::identify::bindings::{SearchHost, result};
 use crate::identify::evaluator::linearize_at_start;
-use crate::identify::objective::SearchError;
+use crate::identify::objective::refused;
 use crate::script::{HostResult, number, refuse};
 use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
 use plot::Correlation;
@@ -155,10 +155,10 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
     let confidence = host.linearized(context, &request.search, |evaluator| {
         let linearization = linearize_at_start(&request.search.search, evaluator)?;
         let linearization = match &request.parts {
-            Some(parts) => linearization.joined_from(parts).map_err(SearchError::refused)?,
+            Some(parts) => linearization.joined_from(parts).map_err(|error| refused!("{error}"))?,
             None => linearization,
         };
-        Confidence::from_linearization(&linearization, &request.options).map_err(SearchError::refused)
+        Confidence::from_linearization(&linearization, &request.options).map_err(|error| refused!("{error}"))
     })?;
     let title = match &request.search.labels.title {
         Some(title) => format!("Correlation: {title}"),

@@ -18,7 +18,7 @@ use crate::identify::evaluator::{Evaluator, TrialEvent, TrialPool};
 use crate::identify::objective::{Objective, SearchError};
 use crate::identify::options::Search;
 use crate::identify::search::{Iteration, SearchResult, minimize};
-use crate::script::{Compared, ConvergenceHistory, HostResult, STACK, Session, numerical_failure, refuse};
+use crate::script::{Compared, ConvergenceHistory, HostResult, Session, numerical_failure, refuse};
 use plot::Correlation;
 
 /// Registers `minimize`, `minimize_all` and `confidence`, whose searches `host` runs.
@@ -194,7 +194,7 @@ impl SearchHost {
             }));
         }
         let objectives = searches.iter().map(|own| own.objective).collect();
-        let pool = TrialPool::new(objectives, rayon::current_num_threads()).with_stack(STACK);
+        let pool = TrialPool::new(objectives, rayon::current_num_threads());
         let pool = pool.with_observer(|number, event| (self.observer)(SearchEvent::Trial(begun + number, event)));
         Ok(pool.run(|evaluator, number| {
             let found = job(evaluator, number);

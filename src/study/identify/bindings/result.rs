@@ -47,7 +47,7 @@ fn of_start(result: &StartResult) -> Map {
     map.insert("iterations".into(), integer(result.iterations));
     map.insert("evaluations".into(), integer(result.evaluations));
     map.insert("converged".into(), result.converged.into());
-    map.insert("reason".into(), result.reason.to_string().into());
+    map.insert("reason".into(), result.reason.clone().into());
     map.insert("simplex_size".into(), or_unit(result.size));
     map
 }
@@ -70,7 +70,7 @@ fn history_row(iteration: &Iteration, names: &[String], several: bool) -> Map {
     if let Some(size) = iteration.size {
         map.insert("size".into(), size.into());
     }
-    map.insert("step".into(), iteration.step.name().into());
+    map.insert("step".into(), iteration.step.into());
     for (name, x) in names.iter().zip(&iteration.x) {
         map.insert(name.as_str().into(), (*x).into());
     }

@@ -8,11 +8,9 @@ use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
-use super::onto_bounds;
-use super::{SearchContext, order};
-use crate::identify::objective::SearchError;
-use crate::identify::search::StartResult;
-use crate::identify::search::{Iteration, Step, StopReason};
+use super::{SearchContext, limit, onto_bounds, order};
+use crate::identify::objective::{SearchError, refused};
+use crate::identify::search::{Iteration, StartResult};
 
 /// Initial standard deviation: relative to an unknown without bounds, in u for one with bounds.
 const DEVIATION: f64 = 0.25;
@@ -55,8 +53,7 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
         .tol_x(search.tol_x)
         .max_generations(search.max_iterations)
         .max_function_evals(search.max_evaluations);
-    let mut state =
-        options.build(objective).map_err(|why| SearchError::refused(format!("cma-es cannot start: {why:?}")))?;
+    let mut state = options.build(objective).map_err(|why| refused!("cma-es cannot start: {why:?}"))?;
     let mut history: Vec<Iteration> = Vec::new();
     let end = loop {
         before.store(trials.evaluations(), Ordering::Relaxed);
@@ -74,7 +71,7 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
                 f: best.value,
                 size: Some(state.sigma()),
                 spread: None,
-                step: Step::Generation,
+                step: "generation",
             };
             observer(&iteration);
             history.push(iteration);
@@ -87,11 +84,13 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
     let (x, f) = end.overall_best.map_or((start, f64::INFINITY), |best| (x_of(&best.point), best.value));
     let (iterations, evaluations) = (state.generation(), state.function_evals());
     let reason = match end.reasons.first() {
-        Some(TerminationReason::MaxFunctionEvals | TerminationReason::MaxGenerations) => {
-            StopReason::limit(iterations, search)
+        Some(TerminationReason::MaxFunctionEvals | TerminationReason::MaxGenerations) => limit(iterations, search),
+        Some(TerminationReason::TolFun | TerminationReason::TolFunHist) => {
+            "the objective changes by less than tol_f".into()
         }
-        Some(reason) => stop_reason(reason),
-        None => StopReason::Method("none".into()),
+        Some(TerminationReason::TolX) => "the distribution is narrower than tol_x".into(),
+        Some(other) => format!("the method stopped ({other})"),
+        None => "the method stopped (none)".into(),
     };
     let size = Some(state.sigma());
     onto_bounds(StartResult { x, f, iterations, evaluations, converged, reason, size, history }, search, trials)
@@ -100,12 +99,4 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
 fn has_converged(reason: &TerminationReason) -> bool {
     use TerminationReason as R;
     matches!(reason, R::TolFun | R::TolFunRel | R::TolFunHist | R::TolX)
-}
-
-fn stop_reason(reason: &TerminationReason) -> StopReason {
-    match reason {
-        TerminationReason::TolFun | TerminationReason::TolFunHist => StopReason::ObjectiveTolerance,
-        TerminationReason::TolX => StopReason::DistributionTolerance,
-        other => StopReason::Method(other.to_string()),
-    }
 }

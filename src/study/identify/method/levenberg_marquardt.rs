@@ -6,13 +6,10 @@
 use lab::experiment::fit::{Residuals, minimize, moved};
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 
-use super::{SearchContext, Trials};
-use super::{falls_beyond, onto_bounds};
-use crate::identify::objective::ObjectiveValue;
-use crate::identify::objective::SearchError;
+use super::{SearchContext, Trials, falls_beyond, limit, onto_bounds};
+use crate::identify::objective::{ObjectiveValue, SearchError, refused};
 use crate::identify::options::Search;
-use crate::identify::search::StartResult;
-use crate::identify::search::{Iteration, Step, StopReason};
+use crate::identify::search::{Iteration, StartResult};
 
 /// Norm of the residuals of a failed trial over that at the start.
 const WORST: f64 = 1e3;
@@ -20,6 +17,9 @@ const WORST: f64 = 1e3;
 /// Iterations in a row that reduce the sum of squares by less than the tolerance after which a descent ends: the crate also asks
 /// whether the linear model promises no more, which it does for ever where an objective is rough.
 const SLOW_ITERATIONS: usize = 3;
+
+/// Why such a descent ended.
+const SLOW: &str = "three steps in a row changed the sum of squares by less than tol_f of itself";
 
 /// Largest number of restarts with the best point on a bound.
 const MAX_RESTARTS: usize = 5;
@@ -72,11 +72,11 @@ fn descend(
     search.bounds.inwards(&mut start);
     let first = residuals(context.trials.at_start(&start)?)?;
     if first.len() < start.len() {
-        return Err(SearchError::refused(format!(
+        return Err(refused!(
             "the objective gave {found} residuals for {unknowns} unknowns: levenberg-marquardt needs at least as many",
             found = first.len(),
             unknowns = start.len()
-        )));
+        ));
     }
     // The crate stops after patience × (n + 1) evaluations: rounded up, so that the limit of the search comes first.
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
@@ -99,11 +99,11 @@ fn descend(
         return Err(error);
     }
     descent.iterations += 1;
-    descent.observe(Step::Final);
+    descent.observe("final");
     let Descent { context, best: (x, f), iterations, history, end, .. } = descent;
     let (converged, reason) = match end {
-        Some(End::Slow) => (true, StopReason::SlowDescent),
-        Some(_) => (false, StopReason::limit(iterations, search)),
+        Some(End::Slow) => (true, SLOW.into()),
+        Some(_) => (false, limit(iterations, search)),
         None => (report.termination.was_successful(), stop_reason(&report.termination)),
     };
     let evaluations = context.trials.evaluations();
@@ -138,7 +138,7 @@ enum End {
 }
 
 impl Descent<'_> {
-    fn observe(&mut self, step: Step) {
+    fn observe(&mut self, step: &'static str) {
         let (x, f) = self.best.clone();
         let (iteration, evaluations) = (self.iterations, self.context.trials.evaluations());
         let start = self.context.start;
@@ -170,10 +170,10 @@ impl Descent<'_> {
         match &found {
             Some(found) if found.len() != self.count => {
                 let expected = self.count;
-                Err(SearchError::refused(format!(
+                Err(refused!(
                     "the objective gave {found} residuals at {x:?}, and {expected} at the start",
                     found = found.len()
-                )))
+                ))
             }
             _ => Ok(found),
         }
@@ -212,11 +212,8 @@ impl Descent<'_> {
     /// The residuals behind u, where those before it failed.
     fn residuals_at(&self, u: &[f64]) -> Result<Vec<f64>, SearchError> {
         let x = self.x_of(u);
-        self.checked(&x, self.context.trials.value(&x)?)?.ok_or_else(|| {
-            SearchError::refused(format!(
-                "a trial failed at {x:?}: the trials on both sides failed, there is no derivative"
-            ))
-        })
+        self.checked(&x, self.context.trials.value(&x)?)?
+            .ok_or_else(|| refused!("a trial failed at {x:?}: the trials on both sides failed, there is no derivative"))
     }
 
     /// The value; none, which stops the crate, where the search ends.
@@ -244,7 +241,7 @@ impl Residuals for Descent<'_> {
     fn derivatives(&mut self, u: &[f64]) -> Option<Vec<Vec<f64>>> {
         self.iterations += 1;
         // The crate asks for derivatives at the start and after each accepted step: iterations are counted by these.
-        self.observe(if self.iterations == self.before + 1 { Step::Initial } else { Step::Accepted });
+        self.observe(if self.iterations == self.before + 1 { "initial" } else { "step" });
         self.squares.push(norm(&self.here).powi(2));
         let search = self.context.search;
         let is_over = (self.iterations >= search.max_iterations).then_some(End::Limit);
@@ -260,7 +257,7 @@ impl Residuals for Descent<'_> {
 fn residuals(value: ObjectiveValue) -> Result<Vec<f64>, SearchError> {
     match value {
         ObjectiveValue::Residuals(residuals) => Ok(residuals),
-        ObjectiveValue::Scalar(_) => Err(SearchError::refused(
+        ObjectiveValue::Scalar(_) => Err(refused!(
             "levenberg-marquardt needs residuals, and the objective gave a number: return a signal or a list, or use nelder-mead",
         )),
     }
@@ -276,19 +273,25 @@ fn norm(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum::<f64>().sqrt()
 }
 
-fn stop_reason(reason: &TerminationReason) -> StopReason {
+/// Why the crate stopped, in words.
+fn stop_reason(reason: &TerminationReason) -> String {
     match reason {
-        TerminationReason::ResidualsZero => StopReason::ZeroResiduals,
-        TerminationReason::Orthogonal => StopReason::ZeroGradient,
-        TerminationReason::Converged { ftol: true, .. } => StopReason::SumOfSquaresTolerance,
-        TerminationReason::Converged { .. } => StopReason::StepTolerance,
-        TerminationReason::NoImprovementPossible(tolerance) => StopReason::NoImprovement(tolerance),
-        TerminationReason::LostPatience => StopReason::MaxEvaluations,
-        TerminationReason::Numerical(quantity) => StopReason::NotFinite(quantity),
-        TerminationReason::User(quantity) | TerminationReason::WrongDimensions(quantity) => {
-            StopReason::Unavailable(quantity)
+        TerminationReason::ResidualsZero => "the residuals are zero".into(),
+        TerminationReason::Orthogonal => "the gradient is zero".into(),
+        TerminationReason::Converged { ftol: true, .. } => {
+            "the sum of squares changes by less than tol_f of itself".into()
         }
-        TerminationReason::NoParameters | TerminationReason::NoResiduals => StopReason::Empty,
+        TerminationReason::Converged { .. } => "x changes by less than tol_x of itself".into(),
+        // Its name in MINPACK: the tolerance is below what rounding allows.
+        TerminationReason::NoImprovementPossible(tolerance) => format!("no improvement is possible ({tolerance})"),
+        TerminationReason::LostPatience => "max_evaluations was reached".into(),
+        TerminationReason::Numerical(quantity) => format!("{quantity} is not finite"),
+        TerminationReason::User(quantity) | TerminationReason::WrongDimensions(quantity) => {
+            format!("{quantity} unavailable")
+        }
+        TerminationReason::NoParameters | TerminationReason::NoResiduals => {
+            "there are no unknowns or no residuals".into()
+        }
     }
 }
 

@@ -144,6 +144,12 @@ impl<'c> Trials<'c> {
     }
 }
 
+/// The limit of `search` that ended it after `iterations`.
+fn limit(iterations: usize, search: &Search) -> String {
+    let limit = if iterations >= search.max_iterations { "max_iterations" } else { "max_evaluations" };
+    format!("{limit} was reached")
+}
+
 /// An order of points requested at once: by their first entries, then by the second.
 fn order(a: &[f64], b: &[f64]) -> Ordering {
     let entries = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));

@@ -6,9 +6,10 @@
 //! No crate makes these choices: `argmin` stops on the standard deviation of the objective and leaves the initial
 //! simplex to the caller.
 
-use super::{SearchContext, Trials};
+use super::{SearchContext, Trials, limit};
 use crate::identify::objective::SearchError;
-use crate::identify::search::{Iteration, StartResult, Step, StopReason};
+use crate::identify::options::Search;
+use crate::identify::search::{Iteration, StartResult};
 
 /// Largest number of restarts with a best vertex on a bound.
 const MAX_RESTARTS: usize = 5;
@@ -19,30 +20,23 @@ const MAX_RESTARTS: usize = 5;
 /// search restarts with a new simplex around that vertex until a restart brings no improvement.
 pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> Result<StartResult, SearchError> {
     let SearchContext { search, trials, start: number, observer } = context;
-    let mut values = Projected(trials);
-    let limits = Limits {
-        tol_x: search.tol_x,
-        tol_f: search.tol_f,
-        max_iterations: search.max_iterations,
-        max_evaluations: search.max_evaluations,
-    };
     let mut history = Vec::new();
     let mut observe = |simplex: &Simplex| {
         let iteration = iteration(simplex, number);
         observer(&iteration);
         history.push(iteration);
     };
-    let mut simplex = Simplex::around(start, &mut values)?;
+    let mut simplex = Simplex::around(start, trials)?;
     let mut restarts = 0;
     loop {
         observe(&simplex);
         let before = simplex.vertices[0].f;
-        while !simplex.has_converged(&limits) && !limits.are_met(&simplex) {
-            simplex.advance(&mut values)?;
+        while !simplex.has_converged(search) && !simplex.is_at_limit(search) {
+            simplex.advance(trials)?;
             observe(&simplex);
         }
         let best = simplex.vertices[0].clone();
-        let is_on_bound = !search.bounds.active(&best.x).is_empty() && !limits.are_met(&simplex);
+        let is_on_bound = !search.bounds.active(&best.x).is_empty() && !simplex.is_at_limit(search);
         // A first simplex may have collapsed onto the bound at once: it is restarted even without any improvement.
         let improved = restarts == 0 || before - best.f > search.tol_f;
         if !is_on_bound || !improved || restarts == MAX_RESTARTS {
@@ -50,33 +44,17 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
         }
         restarts += 1;
         let so_far = [simplex.iterations, simplex.evaluations];
-        simplex = Simplex::around(&best.x, &mut values)?.after(so_far);
+        simplex = Simplex::around(&best.x, trials)?.after(so_far);
     }
-    let converged = simplex.has_converged(&limits);
-    let reason = if converged { StopReason::SimplexTolerance } else { StopReason::limit(simplex.iterations, search) };
+    let converged = simplex.has_converged(search);
+    let reason = match converged {
+        true => "the simplex is within tol_x and tol_f".to_owned(),
+        false => limit(simplex.iterations, search),
+    };
     let best = &simplex.vertices[0];
     let (iterations, evaluations) = (simplex.iterations, simplex.evaluations);
     let (x, f, size) = (best.x.clone(), best.f, Some(simplex.size()));
     Ok(StartResult { x, f, iterations, evaluations, converged, reason, size, history })
-}
-
-/// The trials of a simplex, projected onto the bounds.
-struct Projected<'s>(&'s Trials<'s>);
-
-impl SimplexValues for Projected<'_> {
-    type Error = SearchError;
-
-    fn value(&mut self, x: &[f64]) -> Result<f64, SearchError> {
-        Ok(self.0.value(x)?.map_or(f64::INFINITY, |value| value.value()))
-    }
-
-    fn prepare(&mut self, points: &[Vec<f64>], probable: &[Vec<f64>]) -> Result<(), SearchError> {
-        self.0.prepare(points, probable)
-    }
-
-    fn project(&self, x: &mut [f64]) {
-        self.0.search.bounds.project(x);
-    }
 }
 
 fn iteration(simplex: &Simplex, start: usize) -> Iteration {
@@ -103,43 +81,8 @@ const SHRINK: f64 = 0.5;
 const STEP: f64 = 0.05;
 const STEP_FROM_ZERO: f64 = 0.00025;
 
-/// The values of a simplex.
-trait SimplexValues {
-    /// Why there is no value.
-    type Error;
-
-    /// The value at `x`; one that is not finite counts as worse than all others.
-    fn value(&mut self, x: &[f64]) -> Result<f64, Self::Error>;
-
-    /// Evaluates `points`, which are requested next, and of the `probable` ones as many as there is time for.
-    fn prepare(&mut self, _points: &[Vec<f64>], _probable: &[Vec<f64>]) -> Result<(), Self::Error> {
-        Ok(())
-    }
-
-    /// Projects a point onto the bounds.
-    fn project(&self, _x: &mut [f64]) {}
-}
-
 /// Weight of earlier iterations in the frequencies of second points.
 const DECAY: f64 = 0.9;
-
-/// Tolerances, which both have to be met, and limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Limits {
-    /// Largest distance of a vertex from the best one along an axis.
-    tol_x: f64,
-    /// Largest difference of the value at a vertex from the best one.
-    tol_f: f64,
-    max_iterations: usize,
-    max_evaluations: usize,
-}
-
-impl Limits {
-    /// Whether a limit is reached.
-    fn are_met(&self, simplex: &Simplex) -> bool {
-        simplex.iterations >= self.max_iterations || simplex.evaluations >= self.max_evaluations
-    }
-}
 
 /// A simplex of n + 1 vertices, the best first.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +91,7 @@ struct Simplex {
     iterations: usize,
     evaluations: usize,
     /// The kind of the last step.
-    step: Step,
+    step: &'static str,
     /// Decaying frequencies of the second points of iterations: expanded, contracted outside, contracted inside.
     frequencies: [f64; 3],
 }
@@ -164,39 +107,44 @@ struct Vertex {
 
 impl Simplex {
     /// The start and a point beside it along each axis, on the other side where the bounds allow none on this one.
-    fn around<V: SimplexValues>(start: &[f64], values: &mut V) -> Result<Simplex, V::Error> {
+    fn around(start: &[f64], trials: &Trials<'_>) -> Result<Simplex, SearchError> {
         let beside = |axis: usize| {
             let step = if start[axis] == 0.0 { STEP_FROM_ZERO } else { STEP * start[axis] };
             let mut x = start.to_vec();
             // Not start + step: the rounding of fminsearch.
             x[axis] = if start[axis] == 0.0 { STEP_FROM_ZERO } else { (1.0 + STEP) * start[axis] };
-            values.project(&mut x);
+            trials.search.bounds.project(&mut x);
             if x[axis] == start[axis] {
                 x[axis] = start[axis] - step;
-                values.project(&mut x);
+                trials.search.bounds.project(&mut x);
             }
             x
         };
         let points: Vec<Vec<f64>> = std::iter::once(start.to_vec()).chain((0..start.len()).map(beside)).collect();
-        values.prepare(&points, &[])?;
+        trials.prepare(&points, &[])?;
         let vertices = points
             .into_iter()
             .zip(1..)
-            .map(|(x, evaluation)| vertex(x, evaluation, values))
+            .map(|(x, evaluation)| vertex(x, evaluation, trials))
             .collect::<Result<Vec<_>, _>>()?;
         let evaluations = vertices.len();
-        let mut simplex = Simplex { vertices, iterations: 1, evaluations, step: Step::Initial, frequencies: [0.0; 3] };
+        let mut simplex = Simplex { vertices, iterations: 1, evaluations, step: "initial", frequencies: [0.0; 3] };
         simplex.sort();
         Ok(simplex)
     }
 
-    /// Whether both tolerances of `limits` are met.
-    fn has_converged(&self, limits: &Limits) -> bool {
+    /// Whether a limit of `search` is reached.
+    fn is_at_limit(&self, search: &Search) -> bool {
+        self.iterations >= search.max_iterations || self.evaluations >= search.max_evaluations
+    }
+
+    /// Whether both tolerances of `search` are met.
+    fn has_converged(&self, search: &Search) -> bool {
         let best = &self.vertices[0];
         let largest = best.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // As in fminsearch: a tolerance below the rounding of the numbers would never be met.
-        self.spread() <= limits.tol_f.max(10.0 * spacing(best.f))
-            && self.size() <= limits.tol_x.max(10.0 * spacing(largest))
+        self.spread() <= search.tol_f.max(10.0 * spacing(best.f))
+            && self.size() <= search.tol_x.max(10.0 * spacing(largest))
     }
 
     /// Largest distance of a vertex from the best one along an axis.
@@ -214,7 +162,7 @@ impl Simplex {
     }
 
     /// One iteration: the worst vertex moves, or all but the best shrink towards it.
-    fn advance<V: SimplexValues>(&mut self, values: &mut V) -> Result<(), V::Error> {
+    fn advance(&mut self, trials: &Trials<'_>) -> Result<(), SearchError> {
         let n = self.vertices.len() - 1;
         let centre = self.centroid();
         let [best, second_worst, worst] = [0, n - 1, n].map(|index| self.vertices[index].f);
@@ -222,32 +170,32 @@ impl Simplex {
         let along = |factor: f64| -> Vec<f64> {
             let worst = &self.vertices[n].x;
             let mut x: Vec<f64> = centre.iter().zip(worst).map(|(c, w)| (1.0 + factor) * c - factor * w).collect();
-            values.project(&mut x);
+            trials.search.bounds.project(&mut x);
             x
         };
         // All four are known before any value is, so that idle threads can evaluate them at once.
         let [reflected, expanded, outside, inside] =
             [REFLECT, REFLECT * EXPAND, REFLECT * CONTRACT, -CONTRACT].map(along);
-        values.prepare(std::slice::from_ref(&reflected), &self.second_points([&expanded, &outside, &inside]))?;
-        let reflected = self.evaluate(reflected, values)?;
+        trials.prepare(std::slice::from_ref(&reflected), &self.second_points([&expanded, &outside, &inside]))?;
+        let reflected = self.evaluate(reflected, trials)?;
         let (moved, step) = if reflected.f < best {
-            let expanded = self.evaluate_second(0, expanded, values)?;
-            if expanded.f < reflected.f { (Some(expanded), Step::Expanded) } else { (Some(reflected), Step::Reflected) }
+            let expanded = self.evaluate_second(0, expanded, trials)?;
+            if expanded.f < reflected.f { (Some(expanded), "expanded") } else { (Some(reflected), "reflected") }
         } else if reflected.f < second_worst {
-            (Some(reflected), Step::Reflected)
+            (Some(reflected), "reflected")
         } else if reflected.f < worst {
-            let outside = self.evaluate_second(1, outside, values)?;
-            ((outside.f <= reflected.f).then_some(outside), Step::ContractedOutside)
+            let outside = self.evaluate_second(1, outside, trials)?;
+            ((outside.f <= reflected.f).then_some(outside), "contracted_outside")
         } else {
-            let inside = self.evaluate_second(2, inside, values)?;
-            ((inside.f < worst).then_some(inside), Step::ContractedInside)
+            let inside = self.evaluate_second(2, inside, trials)?;
+            ((inside.f < worst).then_some(inside), "contracted_inside")
         };
         match moved {
             Some(vertex) => {
                 self.vertices[n] = vertex;
                 self.step = step;
             }
-            None => self.shrink(values)?,
+            None => self.shrink(trials)?,
         }
         self.sort();
         self.iterations += 1;
@@ -261,27 +209,22 @@ impl Simplex {
         order.map(|index| points[index].clone())
     }
 
-    fn evaluate_second<V: SimplexValues>(
-        &mut self,
-        which: usize,
-        x: Vec<f64>,
-        values: &mut V,
-    ) -> Result<Vertex, V::Error> {
+    fn evaluate_second(&mut self, which: usize, x: Vec<f64>, trials: &Trials<'_>) -> Result<Vertex, SearchError> {
         // Older iterations count less: which second point is likely changes along the way.
         self.frequencies = self.frequencies.map(|frequency| DECAY * frequency);
         self.frequencies[which] += 1.0;
-        self.evaluate(x, values)
+        self.evaluate(x, trials)
     }
 
-    fn shrink<V: SimplexValues>(&mut self, values: &mut V) -> Result<(), V::Error> {
+    fn shrink(&mut self, trials: &Trials<'_>) -> Result<(), SearchError> {
         let best = self.vertices[0].x.clone();
         let shrunk = |vertex: &Vertex| vertex.x.iter().zip(&best).map(|(x, b)| b + SHRINK * (x - b)).collect();
         let points: Vec<Vec<f64>> = self.vertices[1..].iter().map(shrunk).collect();
-        values.prepare(&points, &[])?;
+        trials.prepare(&points, &[])?;
         for (index, x) in points.into_iter().enumerate() {
-            self.vertices[index + 1] = self.evaluate(x, values)?;
+            self.vertices[index + 1] = self.evaluate(x, trials)?;
         }
-        self.step = Step::Shrunk;
+        self.step = "shrunk";
         Ok(())
     }
 
@@ -295,9 +238,9 @@ impl Simplex {
         (0..count).map(mean).collect()
     }
 
-    fn evaluate<V: SimplexValues>(&mut self, x: Vec<f64>, values: &mut V) -> Result<Vertex, V::Error> {
+    fn evaluate(&mut self, x: Vec<f64>, trials: &Trials<'_>) -> Result<Vertex, SearchError> {
         self.evaluations += 1;
-        vertex(x, self.evaluations, values)
+        vertex(x, self.evaluations, trials)
     }
 
     /// The simplex with this many iterations and evaluations of earlier ones counted in.
@@ -311,9 +254,10 @@ impl Simplex {
     }
 }
 
-fn vertex<V: SimplexValues>(x: Vec<f64>, evaluation: usize, values: &mut V) -> Result<Vertex, V::Error> {
-    let f = values.value(&x)?;
-    Ok(Vertex { x, f: if f.is_finite() { f } else { f64::INFINITY }, evaluation })
+fn vertex(x: Vec<f64>, evaluation: usize, trials: &Trials<'_>) -> Result<Vertex, SearchError> {
+    // A value that is not finite counts as worse than all others.
+    let f = trials.value(&x)?.map(|value| value.value()).filter(|f| f.is_finite());
+    Ok(Vertex { x, f: f.unwrap_or(f64::INFINITY), evaluation })
 }
 
 /// Distance from `value` to the next larger number of its size.
@@ -324,25 +268,24 @@ fn spacing(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::convert::Infallible;
-
     use super::*;
+    use crate::identify::evaluator::with_evaluator;
+    use crate::identify::options::Method;
 
     /// All points but the vertices are worse than they.
     #[test]
     fn a_simplex_without_better_points_shrinks_to_its_best_vertex() {
-        struct Vertices(Vec<Vec<f64>>);
-        impl SimplexValues for Vertices {
-            type Error = Infallible;
-            fn value(&mut self, x: &[f64]) -> Result<f64, Infallible> {
-                let known = self.0.iter().position(|vertex| vertex == x);
-                Ok(known.map_or(f64::NAN, |index| index as f64))
-            }
-        }
-        let mut vertices = Vertices(vec![vec![1.0, 2.0], vec![1.05, 2.0], vec![1.0, 2.1]]);
-        let Ok(mut simplex) = Simplex::around(&[1.0, 2.0], &mut vertices);
-        let Ok(()) = simplex.advance(&mut vertices);
-        assert_eq!((simplex.step, simplex.evaluations), (Step::Shrunk, 3 + 2 + 2));
+        let vertices = [[1.0, 2.0], [1.05, 2.0], [1.0, 2.1]];
+        let rank = |x: &[f64]| vertices.iter().position(|vertex| vertex == x).map_or(f64::NAN, |index| index as f64);
+        let search = Search::new(Method::NelderMead, vertices[0].to_vec());
+        let simplex = with_evaluator(&rank, 1, |evaluator| {
+            let trials = Trials::new(&search, evaluator);
+            let mut simplex = Simplex::around(&search.start, &trials)?;
+            simplex.advance(&trials)?;
+            Ok::<_, SearchError>(simplex)
+        });
+        let simplex = simplex.unwrap();
+        assert_eq!((simplex.step, simplex.evaluations), ("shrunk", 3 + 2 + 2));
         assert!((simplex.size() - 0.05).abs() < 1e-12 && simplex.vertices[0].x == [1.0, 2.0]);
     }
 }
