@@ -263,17 +263,17 @@ pub(crate) fn summary_of_run(model: &Model, outcome: &Outcome, results: &Results
     let mut text = format!("{}  {}\n", model.name, model.subject());
     let answer = results.script_output.answer.clone().unwrap_or_else(|| post::answer(model, results, false));
     let _ = writeln!(text, "  {answer}");
-    text += &cost(results.measures.audit());
+    text += &cost(&results.audit);
     let _ = writeln!(text, "  {}", post::further(model, results).join(", "));
     if let Measures::Impact(measures) = &results.measures {
         text += &[errors(model, measures), springs_and_faces(measures)].concat();
     }
-    text += &steadiness(results.measures.audit());
-    text += &field(results.measures.audit());
+    text += &steadiness(&results.audit);
+    text += &field(&results.audit);
     if let Some(torn) = outcome.torn.filter(|torn| torn.length > 0.0) {
         let _ = writeln!(text, "  the film is torn {} mm in the end", number::figure(1e3 * torn.length, DIGITS));
     }
-    text += &terminal::findings_of_run("  ", results.measures.findings().iter());
+    text += &terminal::findings_of_run("  ", results.findings.iter());
     for line in &results.script_output.log {
         let _ = writeln!(text, "  {line}");
     }
@@ -282,12 +282,7 @@ pub(crate) fn summary_of_run(model: &Model, outcome: &Outcome, results: &Results
 
 /// Title and findings of a run that failed; ends with a line break.
 pub(crate) fn summary_of_failed(model: &Model, results: &Results) -> String {
-    format!(
-        "{}  {}\n{}",
-        model.name,
-        model.subject(),
-        terminal::findings_of_run("  ", results.measures.findings().iter())
-    )
+    format!("{}  {}\n{}", model.name, model.subject(), terminal::findings_of_run("  ", results.findings.iter()))
 }
 
 /// The folder and its files; ends with a line break.

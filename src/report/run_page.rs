@@ -79,7 +79,7 @@ fn subject(run: &RunPage) -> String {
 /// Failure and warnings, then notes.
 fn findings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
-    html::findings(failure.into_iter().collect(), run.results.measures.findings().iter())
+    html::findings(failure.into_iter().collect(), run.results.findings.iter())
 }
 
 /// All figures of the summary, those of the machine after the others.
@@ -93,7 +93,7 @@ fn figures(summary: &Map<String, Value>) -> String {
 
 /// Energies, strain rates and element quality.
 fn audit(run: &RunPage) -> String {
-    let audit = run.results.measures.audit();
+    let audit = &run.results.audit;
     let (energies, negligible) = energies(&run.outcome.energies);
     let note = match negligible.as_slice() {
         [] => String::new(),

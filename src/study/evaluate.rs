@@ -234,7 +234,7 @@ impl Evaluation {
         let figures = summary.iter().filter(|(name, _)| is_figure(name));
         let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::from_value(value)?))).collect();
         let mut findings: Vec<String> = Vec::new();
-        for finding in results.measures.findings().iter() {
+        for finding in results.findings.iter() {
             if !findings.contains(&finding.code) {
                 findings.push(finding.code.clone());
             }

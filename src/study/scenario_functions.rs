@@ -256,7 +256,7 @@ impl Study {
             results = results.ended_early();
         }
         let mut found = RunFindings::default();
-        found.count(results.measures.findings().iter().map(|finding| finding.code.as_str()));
+        found.count(results.findings.iter().map(|finding| finding.code.as_str()));
         session.count_runs(&found);
         Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
     }

@@ -99,7 +99,7 @@ fn scenario(text: &str) -> Text {
 /// Summary, tables and files of the post script, and the scenario.
 fn documents(run: &RunPage) -> Vec<Document> {
     let RunPage { model, results, .. } = run;
-    let findings = results.measures.findings().iter();
+    let findings = results.findings.iter();
     let warnings: String =
         findings.map(|found| format!("- {} \\[{}\\]\n", text::escaped(&found.message), found.code)).collect();
     let figures = figure::markdown(&results.summary(model));

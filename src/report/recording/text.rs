@@ -82,7 +82,7 @@ pub(crate) fn listed(run: &RunPage) -> Vec<Event> {
     let end = signals.time.last().copied().unwrap_or_default();
     let rupture = run.outcome.rupture_time.map(|time| (time, Severity::Warning, "first element fails".to_owned()));
     let failure = run.failure.map(|cause| (end, Severity::Warning, format!("the run failed: {cause}")));
-    let warnings = run.results.measures.findings().iter().map(|found| {
+    let warnings = run.results.findings.iter().map(|found| {
         let severity = if found.is_warning() { Severity::Warning } else { Severity::Info };
         (end, severity, format!("{} [{}]", found.message, found.code))
     });

@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
-use super::impact::BodyFigures;
+use super::impact::{BodyFigures, object};
 use super::results::{HEADER, OUTPUT};
 use super::{Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, Stretch, lowest_point};
 use base::finding::Finding;
@@ -24,17 +24,14 @@ pub(super) static SUMMARY: LazyLock<Vec<&str>> = LazyLock::new(|| NAMES.iter().m
 static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let of_loadings =
         [names::<BodyFigures>(), names::<Impact>(), names::<Stretch>(), names::<Indent>(), names::<Inflation>()];
-    let of_every_run = names::<Audit>();
-    let of_loadings = of_loadings.into_iter().flatten().filter(|name| !of_every_run.contains(name));
     let mut all: Vec<String> = HEADER.map(String::from).into();
-    for name in of_loadings {
+    for name in of_loadings.into_iter().flatten() {
         if !all.contains(&name) {
             all.push(name);
         }
     }
-    let findings = json!(RunFindings::default());
-    let findings = findings.as_object().into_iter().flat_map(|fields| fields.keys().cloned());
-    all.extend(of_every_run.iter().cloned().chain(findings).chain(OUTPUT.map(String::from)));
+    let findings = object(&RunFindings::default()).into_iter().map(|(name, _)| name);
+    all.extend(names::<Audit>().into_iter().chain(findings).chain(OUTPUT.map(String::from)));
     all
 });
 
@@ -73,10 +70,15 @@ pub fn figures() -> Vec<FigureName> {
         None => found.push(FigureName { name, sentence, loadings: loadings.to_vec(), is_of_each_impactor }),
     };
     fields::<BodyFigures>().into_iter().for_each(|field| add(field, &["impact"], true));
-    fields::<Impact>().into_iter().for_each(|field| add(field, &["impact"], false));
-    fields::<Stretch>().into_iter().for_each(|field| add(field, &["stretch"], false));
-    fields::<Indent>().into_iter().for_each(|field| add(field, &["indent"], false));
-    fields::<Inflation>().into_iter().for_each(|field| add(field, &["pressure", "volume"], false));
+    let of_loadings: [(_, &[&str]); 4] = [
+        (fields::<Impact>(), &["impact"]),
+        (fields::<Stretch>(), &["stretch"]),
+        (fields::<Indent>(), &["indent"]),
+        (fields::<Inflation>(), &["pressure", "volume"]),
+    ];
+    for (own, loadings) in of_loadings {
+        own.into_iter().chain(fields::<Audit>()).for_each(|field| add(field, loadings, false));
+    }
     found
 }
 
@@ -246,7 +248,7 @@ const MOST_TOLD: usize = 3;
 
 /// What a run answers: whether the film held, and the first figures of each impactor.
 pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
-    let figures = results.measures.figures();
+    let figures = results.figures();
     let film = match figures.get("rupture_time_s").and_then(Value::as_f64) {
         Some(time) => format!("The film ruptured at {}", duration(time)),
         None if failed => "The film held until the run failed".into(),
@@ -270,7 +272,7 @@ pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
 
 /// The headlines of an impactor's test beyond those of its answer, in words, and those of every test.
 pub fn further(model: &Model, results: &Results) -> Vec<String> {
-    let figures = results.measures.figures();
+    let figures = results.figures();
     let of_body = |prefix: &String| {
         let told = headlines_of(model, results, prefix).filter(|headline| headline.judges);
         let told: Vec<&str> =
@@ -320,7 +322,7 @@ const COARSE: f64 = 0.67;
 /// Whether the elements are too coarse to tell whether the film holds.
 pub fn is_too_coarse(results: &Results) -> bool {
     let edge = |finding: &Finding| finding.figures.get("edge_over_radius").and_then(Value::as_f64);
-    results.measures.findings().iter().filter_map(edge).any(|edge| edge > COARSE)
+    results.findings.iter().filter_map(edge).any(|edge| edge > COARSE)
 }
 
 /// The figure by which runs of `model` are ranked where none is named.

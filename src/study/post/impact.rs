@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::{Audit, ReferenceComparison, RunFindings, Warning};
+use super::{ReferenceComparison, RunFindings, Warning};
 use base::number::clean_time;
 use lab::experiment::absorption::{Body, absorption_of, film_absorption};
 use lab::experiment::drop::Figures;
@@ -12,7 +12,7 @@ use lab::signal::column::{self, Column};
 use lab::signal::{Recording, Series};
 use membrane::engine::GuideFriction;
 use scene::model::{Impactor, Model};
-use scene::simulate::{Outcome, ends_loaded};
+use scene::simulate::ends_loaded;
 
 /// Figures of an impact; fields of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -43,13 +43,6 @@ pub struct Impact {
     pub reference_drop: Option<Box<Figures>>,
     /// Notes of the recording, of its reading and of its reduction; none without a reference.
     pub reference_notes: Option<Vec<String>>,
-    /// Size, cost and errors of the run.
-    #[serde(flatten)]
-    pub audit: Audit,
-    /// The findings of the run and of its comparison.
-    #[serde(flatten)]
-    #[schemars(skip)]
-    pub findings: RunFindings,
 }
 
 /// Figures of one impactor; fields of `summary.json`.
@@ -83,19 +76,18 @@ pub struct BodyFigures {
 }
 
 impl Impact {
-    /// Measures of `signals`, which hold the filtered channels.
-    pub fn measure(
+    /// Measures of `signals`, which hold the filtered channels; `findings` gets the errors against a reference that there are not.
+    pub(super) fn measure(
         model: &Model,
-        outcome: &Outcome,
         signals: &Recording,
         comparison: Option<&ReferenceComparison>,
+        findings: &mut RunFindings,
     ) -> Impact {
         let prefixes = model.prefixes();
         let bodies = model.impactors.iter().zip(&prefixes);
         let bodies = bodies.map(|(impactor, prefix)| BodyFigures::measure(impactor, prefix, model, signals)).collect();
         let recorded = model.reference.as_ref().and_then(|reference| prefixes.get(reference.impactor));
         let prefix = recorded.or(prefixes.first()).map_or("", String::as_str);
-        let mut findings = RunFindings::from_outcome(model, outcome);
         let mut error = |channel: &'static str, result: Option<Result<f64, lab::Error>>| match result {
             Some(Err(reason)) => {
                 findings.push(&Warning::NoReferenceError { channel, reason });
@@ -108,7 +100,6 @@ impl Impact {
         let displacement = channel(signals, prefix, column::DISPLACEMENT);
         let acceleration_error = error("acceleration", comparison.and_then(|c| c.acceleration_error(&acceleration)));
         let displacement_error = error("displacement", comparison.and_then(|c| c.displacement_error(&displacement)));
-        comparison.into_iter().flat_map(ReferenceComparison::warnings).for_each(|warning| findings.push(&warning));
         let [break_strain_md, break_strain_td] = break_strains(model);
         Impact {
             bodies,
@@ -121,8 +112,6 @@ impl Impact {
             displacement_error,
             reference_drop: comparison.and_then(|comparison| comparison.drop.clone().map(Box::new)),
             reference_notes: comparison.map(ReferenceComparison::notes),
-            audit: Audit::from_outcome(outcome),
-            findings,
         }
     }
 
@@ -134,17 +123,11 @@ impl Impact {
 
     /// The figures by name, those of the impactors first.
     pub(super) fn figures(&self) -> Map<String, Value> {
-        let object = |value: Value| match value {
-            Value::Object(figures) => figures,
-            _ => Map::new(),
-        };
         let of_body = |body: &BodyFigures| {
-            object(json!(body))
-                .into_iter()
-                .map(|(name, value)| (format!("{}{name}", body.prefix), value))
-                .collect::<Vec<_>>()
+            let named = |(name, value)| (format!("{}{name}", body.prefix), value);
+            object(body).into_iter().map(named).collect::<Vec<_>>()
         };
-        self.bodies.iter().flat_map(of_body).chain(object(json!(self))).collect()
+        self.bodies.iter().flat_map(of_body).chain(object(self)).collect()
     }
 
     /// The figures of a run that was ended early: without those of its end, and without the peaks where there was no
@@ -210,8 +193,16 @@ impl BodyFigures {
     }
 }
 
+/// The fields of a result as they are written.
+pub(super) fn object(result: &impl Serialize) -> Map<String, Value> {
+    match json!(result) {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
+
 /// A channel of the impactor whose channels begin with `prefix`; empty where there is none.
-fn channel(signals: &Recording, prefix: &str, column: Column) -> Series {
+pub(super) fn channel(signals: &Recording, prefix: &str, column: Column) -> Series {
     signals.series(&format!("{prefix}{}", column.name)).unwrap_or_else(|| Series::new([], []))
 }
 

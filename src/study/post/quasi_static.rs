@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::post::{Audit, RunFindings};
-use lab::signal::{Recording, Series, column};
+use crate::post::impact::channel;
+use lab::signal::{Recording, column};
 use scene::simulate::Outcome;
 
 /// Figures of a tensile test; fields of `summary.json`.
@@ -25,20 +25,13 @@ pub struct Stretch {
     pub stress_at_break: Option<f64>,
     /// Engineering strain at the end of the test.
     pub final_strain: Option<f64>,
-    /// Size, cost and errors of the run.
-    #[serde(flatten)]
-    pub audit: Audit,
-    /// The findings of the run.
-    #[serde(flatten)]
-    #[schemars(skip)]
-    pub findings: RunFindings,
 }
 
 impl Stretch {
     /// Measures of `signals`.
-    pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Stretch {
-        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (strain, stress) = (channel(column::STRAIN.name), channel(column::STRESS.name));
+    pub fn measure(outcome: &Outcome, signals: &Recording) -> Stretch {
+        let channel = |column| channel(signals, "", column);
+        let (strain, stress) = (channel(column::STRAIN), channel(column::STRESS));
         let peak = stress.largest();
         let at_break = outcome.rupture_time.and_then(|rupture| {
             let before = strain.window([f64::NEG_INFINITY, rupture]);
@@ -46,14 +39,12 @@ impl Stretch {
             Some((strain.value_at(rupture).or(strain.value_at(time))?, stress.value_at(time)?))
         });
         Stretch {
-            peak_force: channel(column::FORCE.name).largest().map(|[_, force]| force),
+            peak_force: channel(column::FORCE).largest().map(|[_, force]| force),
             peak_stress: peak.map(|[_, value]| value),
             strain_at_peak_stress: peak.and_then(|[time, _]| strain.value_at(time)),
             strain_at_break: at_break.map(|(strain, _)| strain),
             stress_at_break: at_break.map(|(_, stress)| stress),
             final_strain: strain.values().last().copied(),
-            audit: Audit::from_outcome(outcome),
-            findings,
         }
     }
 }
@@ -79,20 +70,13 @@ pub struct Indent {
     /// Force at the end of the test.
     #[serde(rename = "final_force_N")]
     pub final_force: Option<f64>,
-    /// Size, cost and errors of the run.
-    #[serde(flatten)]
-    pub audit: Audit,
-    /// The findings of the run.
-    #[serde(flatten)]
-    #[schemars(skip)]
-    pub findings: RunFindings,
 }
 
 impl Indent {
     /// Measures of `signals` under an impactor at `velocity`, m/s.
-    pub fn measure(velocity: f64, outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Indent {
-        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (depth, force) = (channel(column::DEPTH.name), channel(column::FORCE.name));
+    pub fn measure(velocity: f64, outcome: &Outcome, signals: &Recording) -> Indent {
+        let channel = |column| channel(signals, "", column);
+        let (depth, force) = (channel(column::DEPTH), channel(column::FORCE));
         let peak = force.largest();
         let pairs = || depth.values().iter().zip(force.values());
         let slices = pairs().zip(pairs().skip(1));
@@ -109,8 +93,6 @@ impl Indent {
             depth_at_break,
             final_depth: depth.values().last().copied(),
             final_force: force.values().last().copied(),
-            audit: Audit::from_outcome(outcome),
-            findings,
         }
     }
 }
@@ -135,30 +117,21 @@ pub struct Inflation {
     /// Pressure at the last sample before the rupture; none without one.
     #[serde(rename = "burst_pressure_Pa")]
     pub burst_pressure: Option<f64>,
-    /// Size, cost and errors of the run.
-    #[serde(flatten)]
-    pub audit: Audit,
-    /// The findings of the run.
-    #[serde(flatten)]
-    #[schemars(skip)]
-    pub findings: RunFindings,
 }
 
 impl Inflation {
     /// Measures of `signals`.
-    pub fn measure(outcome: &Outcome, signals: &Recording, findings: RunFindings) -> Inflation {
-        let channel = |name| signals.series(name).unwrap_or_else(|| Series::new([], []));
-        let (pressure, deflection) = (channel(column::PRESSURE.name), channel(column::DEFLECTION.name));
+    pub fn measure(outcome: &Outcome, signals: &Recording) -> Inflation {
+        let channel = |column| channel(signals, "", column);
+        let (pressure, deflection) = (channel(column::PRESSURE), channel(column::DEFLECTION));
         let last_pressure = pressure.values().last().copied();
         Inflation {
             peak_pressure: pressure.largest().map(|[_, pressure]| pressure),
             peak_deflection: deflection.largest().map(|[_, rise]| rise),
             final_deflection: deflection.values().last().copied(),
-            final_volume: channel(column::VOLUME.name).values().last().copied(),
+            final_volume: channel(column::VOLUME).values().last().copied(),
             settling: outcome.settling,
             burst_pressure: outcome.rupture_time.and(last_pressure),
-            audit: Audit::from_outcome(outcome),
-            findings,
         }
     }
 }

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use super::field::{FieldFigures, compare, warnings};
+use super::impact::object;
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, ReferenceError, Run, RunFindings, Stretch, run};
 use crate::field_comparison::FieldComparison;
 use crate::functions;
@@ -43,8 +44,12 @@ pub enum Measures {
 pub struct Results {
     /// The channels of `signals.csv`, the filtered one included.
     pub signals: Recording,
-    /// Figures and findings.
+    /// Figures of its kind of loading.
     pub measures: Measures,
+    /// Size, cost and errors of the run.
+    pub audit: Audit,
+    /// The findings of the run, of its comparison with a reference and of its post script.
+    pub findings: RunFindings,
     /// The reference, where there is one.
     pub comparison: Option<ReferenceComparison>,
     /// The run beside the displacement field of the reference, where there is one.
@@ -79,25 +84,23 @@ impl Results {
         comparison: Option<ReferenceComparison>,
     ) -> Result<Results, EvaluateError> {
         let signals = with_filtered(model, &outcome.signals)?;
-        let findings = || RunFindings::from_outcome(model, outcome);
-        let mut measures = match model.loading.test() {
-            Test::Impact => Measures::Impact(Impact::measure(model, outcome, &signals, comparison.as_ref())),
-            Test::Stretch => Measures::Stretch(Stretch::measure(outcome, &signals, findings())),
-            Test::Indent { velocity } => Measures::Indent(Indent::measure(velocity, outcome, &signals, findings())),
-            Test::Inflation => Measures::Inflation(Inflation::measure(outcome, &signals, findings())),
+        let mut findings = RunFindings::from_outcome(model, outcome);
+        let measures = match model.loading.test() {
+            Test::Impact => Measures::Impact(Impact::measure(model, &signals, comparison.as_ref(), &mut findings)),
+            Test::Stretch => Measures::Stretch(Stretch::measure(outcome, &signals)),
+            Test::Indent { velocity } => Measures::Indent(Indent::measure(velocity, outcome, &signals)),
+            Test::Inflation => Measures::Inflation(Inflation::measure(outcome, &signals)),
         };
-        // Of an impact, the warnings of the comparison are among its own.
-        if !matches!(measures, Measures::Impact(_)) {
-            let marks = comparison.iter().flat_map(ReferenceComparison::warnings);
-            marks.for_each(|warning| measures.findings_mut().push(&warning));
-        }
+        comparison.iter().flat_map(ReferenceComparison::warnings).for_each(|warning| findings.push(&warning));
         let field = compare(model, outcome, comparison.as_ref());
-        warnings(field.as_ref()).iter().for_each(|warning| measures.findings_mut().push(warning));
+        warnings(field.as_ref()).iter().for_each(|warning| findings.push(warning));
         let field = field.and_then(Result::ok).map(Arc::new);
+        let mut audit = Audit::from_outcome(outcome);
         if let Some(field) = &field {
-            measures.audit_mut().add_field(FieldFigures::from_comparison(field), field.norms().relative());
+            audit.add_field(FieldFigures::from_comparison(field), field.norms().relative());
         }
-        Ok(Results { signals, measures, comparison, field, script_output: ScriptOutput::default() })
+        let script_output = ScriptOutput::default();
+        Ok(Results { signals, measures, audit, findings, comparison, field, script_output })
     }
 
     /// The results of a run that was ended early, see `Impact::ended_early`.
@@ -111,7 +114,7 @@ impl Results {
     /// The content of `summary.json`; numbers that are not finite are null.
     pub fn summary(&self, model: &Model) -> Map<String, Value> {
         let mut summary = header(model);
-        summary.extend(self.measures.figures());
+        summary.extend(self.figures());
         summary.extend(self.script_output.measures.clone());
         let [answer, tables, plots, files] = OUTPUT.map(String::from);
         summary.extend(self.script_output.answer.iter().map(|sentence| (answer.clone(), json!(sentence))));
@@ -129,77 +132,34 @@ impl Results {
         }
         summary
     }
+
+    /// The figures and the findings by name, in the order of `summary.json`.
+    pub fn figures(&self) -> Map<String, Value> {
+        let own = match &self.measures {
+            Measures::Impact(impact) => impact.figures(),
+            Measures::Stretch(stretch) => object(stretch),
+            Measures::Indent(indent) => object(indent),
+            Measures::Inflation(inflation) => object(inflation),
+        };
+        own.into_iter().chain(object(&self.audit)).chain(object(&self.findings)).collect()
+    }
+
+    /// Whether an impactor rebounded.
+    fn rebounds(&self) -> bool {
+        let Measures::Impact(Impact { bodies, .. }) = &self.measures else { return false };
+        bodies.iter().any(|body| body.rebound_velocity_m_s.is_some_and(|velocity| velocity > 0.0))
+    }
+
+    /// The names that a post script cannot give: those of this run and of the summary's own parts.
+    fn reserved(&self) -> Vec<String> {
+        let own = HEADER.into_iter().chain(OUTPUT).map(String::from);
+        own.chain(self.figures().into_iter().map(|(name, _)| name)).collect()
+    }
 }
 
 fn header(model: &Model) -> Map<String, Value> {
     let values = [json!(model.name), json!(model.title), json!(env!("CARGO_PKG_VERSION"))];
     HEADER.map(String::from).into_iter().zip(values).collect()
-}
-
-impl Measures {
-    /// The figures by name, in the order of `summary.json`.
-    pub fn figures(&self) -> Map<String, Value> {
-        let value = match self {
-            Measures::Impact(impact) => Value::Object(impact.figures()),
-            Measures::Stretch(stretch) => json!(stretch),
-            Measures::Indent(indent) => json!(indent),
-            Measures::Inflation(inflation) => json!(inflation),
-        };
-        match value {
-            Value::Object(figures) => figures,
-            _ => Map::new(),
-        }
-    }
-
-    /// Whether an impactor rebounded.
-    pub(super) fn rebounds(&self) -> bool {
-        let Measures::Impact(Impact { bodies, .. }) = self else { return false };
-        bodies.iter().any(|body| body.rebound_velocity_m_s.is_some_and(|velocity| velocity > 0.0))
-    }
-
-    /// The findings of the run, of its comparison with a reference and of its post script.
-    pub fn findings(&self) -> &RunFindings {
-        match self {
-            Measures::Impact(impact) => &impact.findings,
-            Measures::Stretch(stretch) => &stretch.findings,
-            Measures::Indent(indent) => &indent.findings,
-            Measures::Inflation(inflation) => &inflation.findings,
-        }
-    }
-
-    pub(super) fn findings_mut(&mut self) -> &mut RunFindings {
-        match self {
-            Measures::Impact(impact) => &mut impact.findings,
-            Measures::Stretch(stretch) => &mut stretch.findings,
-            Measures::Indent(indent) => &mut indent.findings,
-            Measures::Inflation(inflation) => &mut inflation.findings,
-        }
-    }
-
-    fn audit_mut(&mut self) -> &mut Audit {
-        match self {
-            Measures::Impact(impact) => &mut impact.audit,
-            Measures::Stretch(stretch) => &mut stretch.audit,
-            Measures::Indent(indent) => &mut indent.audit,
-            Measures::Inflation(inflation) => &mut inflation.audit,
-        }
-    }
-
-    /// Size, cost and errors of the run.
-    pub fn audit(&self) -> &Audit {
-        match self {
-            Measures::Impact(impact) => &impact.audit,
-            Measures::Stretch(stretch) => &stretch.audit,
-            Measures::Indent(indent) => &indent.audit,
-            Measures::Inflation(inflation) => &inflation.audit,
-        }
-    }
-
-    /// The names that a post script cannot give: those of this run and of the summary's own parts.
-    pub(super) fn reserved(&self) -> Vec<String> {
-        let own = HEADER.into_iter().chain(OUTPUT).map(String::from);
-        own.chain(self.figures().into_iter().map(|(name, _)| name)).collect()
-    }
 }
 
 /// `signals` with the channel `acceleration_filtered_m_s2` of each impactor.
@@ -296,11 +256,11 @@ impl Plan {
     pub fn evaluate(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
         let mut results = self.measure(model, outcome)?;
         if let Some(script) = &self.script {
-            let collector = OutputCollector::new(results.measures.reserved());
+            let collector = OutputCollector::new(results.reserved());
             let run = Run::new(model, outcome, &results, None);
             script.run(&host(&collector), run::scope(run))?;
             results.script_output = collector.output();
-            results.measures.findings_mut().extend(&results.script_output.findings);
+            results.findings.extend(&results.script_output.findings);
         }
         Ok(results)
     }
@@ -308,10 +268,10 @@ impl Plan {
     /// Measures the run without its script.
     pub fn measure(&self, model: &Model, outcome: &Outcome) -> Result<Results, EvaluateError> {
         let mut results = Results::measure(model, outcome, self.comparison.clone())?;
-        let rebounds = results.measures.rebounds();
+        let rebounds = results.rebounds();
         let findings =
             self.findings.iter().filter(|finding| rebounds || finding.code != model::ABSORPTION_NOT_GIVEN.name);
-        results.measures.findings_mut().extend(findings);
+        results.findings.extend(findings);
         Ok(results)
     }
 

@@ -134,7 +134,7 @@ fn a_pulse_has_the_measures_of_its_formula() {
     close(impact.first().rebound_velocity_m_s, rebound, 1e-9);
     close(impact.first().energy_absorption, 1.0 - (rebound / SPEED).powi(2), 1e-4);
     assert_eq!(impact.acceleration_error, None);
-    assert_eq!(impact.audit.ns_per_element_step, 100.0);
+    assert_eq!(results.audit.ns_per_element_step, 100.0);
     let names: Vec<&str> = results.signals.channels.iter().map(|c| c.name.as_str()).collect();
     let filtered = "acceleration_filtered_m_s2";
     assert_eq!(names, ["displacement_m", "velocity_m_s", "acceleration_m_s2", filtered, "contact_force_N"]);
