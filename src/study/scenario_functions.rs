@@ -70,7 +70,7 @@ impl Scenarios {
             return Ok(study.clone());
         }
         let path = given.clone().into_string();
-        let path = path.map_err(|found| refuse(format!("expected a scenario or the path of one, found {found}")))?;
+        let path = path.map_err(|found| refuse!("expected a scenario or the path of one, found {found}"))?;
         self.read(Path::new(&path), session)
     }
 }
@@ -271,17 +271,17 @@ impl Study {
 
     /// The material of the specimen as a material file.
     fn material_text(&self) -> HostResult<String> {
-        let none = || refuse(format!("the specimen of {} has no material: its faces have", self.0.model.name));
+        let none = || refuse!("the specimen of {} has no material: its faces have", self.0.model.name);
         self.0.document.material_text().ok_or_else(none)
     }
 
     /// What is written at a key, `()` where nothing is.
     fn written(&self, key: &str) -> HostResult<Dynamic> {
         if grammar::scenario().at(key).is_none() {
-            return Err(refuse(format!("a scenario has no key `{key}`")));
+            return Err(refuse!("a scenario has no key `{key}`"));
         }
         let Some(node) = self.0.document.find(key) else { return Ok(Dynamic::UNIT) };
-        let json = serde_json::to_value(node.to_toml()).map_err(|error| refuse(format!("`{key}`: {error}")))?;
+        let json = serde_json::to_value(node.to_toml()).map_err(|error| refuse!("`{key}`: {error}"))?;
         Ok(from_json(&json))
     }
 
@@ -293,16 +293,12 @@ impl Study {
             None => Some(&faces[..]),
         };
         let Some([first, others @ ..]) = chosen else {
-            return Err(refuse(format!(
-                "the number of the face is out of range; {} has {}",
-                self.0.model.name,
-                faces.len()
-            )));
+            return Err(refuse!("the number of the face is out of range; {} has {}", self.0.model.name, faces.len()));
         };
         let found = points(&first.material.law, name)?;
         for other in others {
             if points(&other.material.law, name)? != found {
-                return Err(refuse(format!("the curves of the faces differ: choose one, `curve({name:?}, 0)`")));
+                return Err(refuse!("the curves of the faces differ: choose one, `curve({name:?}, 0)`"));
             }
         }
         let (strains, stresses) = found.into_iter().map(|[strain, stress]| (strain, stress)).unzip();
@@ -332,9 +328,9 @@ impl Study {
             None => simulate::pull(model, strains, across),
             Some(times) => {
                 let times = times.clone().into_array();
-                let times = times.map_err(|found| refuse(format!("expected a list as times, found {found}")))?;
+                let times = times.map_err(|found| refuse!("expected a list as times, found {found}"))?;
                 if times.len() != strains.len() {
-                    return Err(refuse(format!("{} times for {} strains", times.len(), strains.len())));
+                    return Err(refuse!("{} times for {} strains", times.len(), strains.len()));
                 }
                 let point = |(time, strain): (&Dynamic, &f64)| Ok([number(time, "a time")?, *strain]);
                 let path = times.iter().zip(strains).map(point).collect::<HostResult<Vec<_>>>()?;
@@ -345,20 +341,19 @@ impl Study {
     }
 
     fn failed(&self, error: PullError) -> Box<EvalAltResult> {
-        refuse(format!("{}: {error}", self.0.model.name))
+        refuse!("{}: {error}", self.0.model.name)
     }
 
     pub(crate) fn comparison(&self) -> HostResult<&ReferenceComparison> {
         let comparison = self.0.plan.comparison();
-        comparison.ok_or_else(|| refuse(format!("{} names no [reference]", self.0.model.name)))
+        comparison.ok_or_else(|| refuse!("{} names no [reference]", self.0.model.name))
     }
 }
 
 /// The option `across` of a single element.
 fn across(options: &Options<'_>) -> HostResult<Across> {
     let given = options.map.get("across").map_or_else(|| "held".into(), Dynamic::to_string);
-    across_named(&given)
-        .ok_or_else(|| refuse(format!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{given}\"")))
+    across_named(&given).ok_or_else(|| refuse!("across is \"held\", \"free\", \"strip\" or \"equal\", not \"{given}\""))
 }
 
 /// What scripts call what holds a single element across.
@@ -390,10 +385,10 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
         (Law::RateFabric(fabric), "md") => fabric.md().single(),
         (Law::RateFabric(fabric), "td") => fabric.td().single(),
         (Law::RateFabric(fabric), "shear") => Some(fabric.shear()),
-        _ => return Err(refuse(format!("there is no curve `{name}`; a fabric has md, td and shear"))),
+        _ => return Err(refuse!("there is no curve `{name}`; a fabric has md, td and shear")),
     };
     let Some(curve) = curve else {
-        return Err(refuse(format!("`{name}` is not a single curve: its curves depend on the strain rate (`rates`)")));
+        return Err(refuse!("`{name}` is not a single curve: its curves depend on the strain rate (`rates`)"));
     };
     Ok(std::iter::once([0.0, 0.0]).chain(curve.points().iter().copied()).collect())
 }
@@ -404,7 +399,7 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
     let study = |item: Dynamic| {
         let found = item.type_name();
         let study = item.try_cast::<Study>();
-        study.ok_or_else(|| refuse(format!("expected a list of scenarios, found {found} in it")))
+        study.ok_or_else(|| refuse!("expected a list of scenarios, found {found} in it"))
     };
     let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
     let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
@@ -454,7 +449,7 @@ fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
     }
     let json = to_json(value)?;
     let value = toml::Value::try_from(&json);
-    let value = value.map_err(|error| refuse(format!("`{key}` cannot be written in a scenario: {error}")))?;
+    let value = value.map_err(|error| refuse!("`{key}` cannot be written in a scenario: {error}"))?;
     Assignment::from_value(key, &value, &format!("{CHANGED}{key}")).map_err(mistakes)
 }
 

@@ -67,23 +67,23 @@ impl Asked {
         let list = |name: &str| -> HostResult<Option<Vec<f64>>> {
             let Some(given) = options.map.get(name) else { return Ok(None) };
             let list = given.read_lock::<Array>().map(|list| list.clone());
-            let list = list.ok_or_else(|| refuse(format!("`{name}` must be an array of strains")))?;
+            let list = list.ok_or_else(|| refuse!("`{name}` must be an array of strains"))?;
             list.iter().map(|item| number(item, "a strain")).collect::<HostResult<Vec<f64>>>().map(Some)
         };
         let ends = plan.tests.iter().filter(|test| test.pull.is_some()).flat_map(Test::recordings).map(end_of);
         let shortest = ends.fold(f64::INFINITY, f64::min);
         let strains = list("strains")?.unwrap_or_else(|| USUAL_SHARES.map(|share| share * shortest).into());
         if let Some(wrong) = strains.iter().find(|strain| !(0.0..=shortest).contains(*strain)) {
-            return Err(refuse(format!("the strain {wrong} lies outside of the recordings, which end at {shortest}")));
+            return Err(refuse!("the strain {wrong} lies outside of the recordings, which end at {shortest}"));
         }
         let modulus = match list("modulus")?.as_deref() {
             None => [WINDOW[0], WINDOW[1].min(shortest)],
             Some(&[from, to]) if 0.0 <= from && from < to && to <= shortest => [from, to],
-            Some(_) => return Err(refuse(format!("`modulus` is two strains from 0 to {shortest}"))),
+            Some(_) => return Err(refuse!("`modulus` is two strains from 0 to {shortest}")),
         };
         let tolerance = options.number("tolerance", USUAL_TOLERANCE)?;
         if !(tolerance > 0.0 && tolerance < 1.0) {
-            return Err(refuse(format!("`tolerance` is a relative error such as 0.05, not {tolerance}")));
+            return Err(refuse!("`tolerance` is a relative error such as 0.05, not {tolerance}"));
         }
         Ok(Asked { strains, modulus, tolerance })
     }

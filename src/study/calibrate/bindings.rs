@@ -191,7 +191,7 @@ impl Calibration {
         let Parts { plan, fit, .. } = &*self.0;
         let place = plan.tests.iter().position(|test| test.name == name);
         let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-        let place = place.ok_or_else(|| refuse(format!("there is no test `{name}`; there are {}", known())))?;
+        let place = place.ok_or_else(|| refuse!("there is no test `{name}`; there are {}", known()))?;
         plan.tests[place].study.with(plan.changes_with_breaks(place, &fit.values), session)
     }
 
@@ -373,9 +373,9 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
     };
     let of_name = |name: &String| {
         let index = plan.parameters.iter().position(|own| own.name == *name).filter(|index| acts_on_two(*index));
-        let index = index.ok_or_else(|| refuse(format!("`hierarchy` names `{name}`, which acts on no two tests")))?;
+        let index = index.ok_or_else(|| refuse!("`hierarchy` names `{name}`, which acts on no two tests"))?;
         if plan.parameters[index].role != Role::Key {
-            return Err(refuse(format!("`hierarchy` names `{name}`: give that its `scatter`")));
+            return Err(refuse!("`hierarchy` names `{name}`: give that its `scatter`"));
         }
         Ok(index)
     };
@@ -417,13 +417,13 @@ fn asked(options: &Options<'_>) -> HostResult<Asked> {
     let numbers = |name: &str, example: &str| -> HostResult<Vec<(String, f64)>> {
         let Some(given) = options.map.get(name) else { return Ok(Vec::new()) };
         let map = given.read_lock::<Map>().map(|map| map.clone());
-        let map = map.ok_or_else(|| refuse(format!("`{name}` is a map of figures, such as #{{ {example} }}")))?;
+        let map = map.ok_or_else(|| refuse!("`{name}` is a map of figures, such as #{{ {example} }}"))?;
         map.iter().map(|(figure, value)| Ok((figure.to_string(), number(value, figure)?))).collect()
     };
     let above = numbers("above", "hic15: 700")?;
     let errors = numbers("errors", "hic15: 0.1")?;
     if let Some((figure, error)) = errors.iter().find(|(_, error)| !(*error > 0.0 && error.is_finite())) {
-        return Err(refuse(format!("`errors`: {figure} has {error}, a relative standard deviation is above zero")));
+        return Err(refuse!("`errors`: {figure} has {error}, a relative standard deviation is above zero"));
     }
     let figures = list("figures")?;
     let is_asked = |figure: &String| {

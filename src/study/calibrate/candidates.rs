@@ -101,7 +101,7 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
         return Err(refuse("a candidate has the values that all tests share: `own` is not supported"));
     }
     if let Some(key) = ["outcome", "failure_mass", "rupture_time"].into_iter().find(|key| map.contains_key(*key)) {
-        return Err(refuse(format!("a candidate is compared by signals: what `{key}` would tell is not computed")));
+        return Err(refuse!("a candidate is compared by signals: what `{key}` would tell is not computed"));
     }
     let mut study =
         scenarios.named(map.get("scenario").ok_or_else(|| refuse("a candidate needs its `scenario`"))?, session)?;
@@ -120,7 +120,7 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
     // Contact makes simulated signals rough, which is noise as it is of the tests; the model's error is as smooth as theirs.
     for signal in &mut test.signals {
         let own = signal.recordings[0].clone();
-        signal.errors.add_roughness(&own).map_err(|error| refuse(format!("{}: {error}", test.name)))?;
+        signal.errors.add_roughness(&own).map_err(|error| refuse!("{}: {error}", test.name))?;
         if let Some(along) = along {
             signal.errors.set_shape(along.errors.shape());
         }

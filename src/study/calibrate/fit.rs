@@ -325,7 +325,7 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>], shapes: &'p [Vec<Shape>])
         let along = test.signals.iter().zip(simulated).filter(|(signal, _)| signal.distance.is_residuals());
         let scaled = along.map(|(signal, simulated)| {
             let scaled = signal.errors.scaled(simulated);
-            Ok((&signal.errors, scaled.map_err(|error| refuse(format!("{}: {error}", test.name)))?))
+            Ok((&signal.errors, scaled.map_err(|error| refuse!("{}: {error}", test.name))?))
         });
         Ok(Left { signals: scaled.collect::<HostResult<_>>()?, weight: test.weight * test.of_signals, shapes })
     };

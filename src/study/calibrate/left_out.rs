@@ -67,7 +67,7 @@ pub(super) fn groups(given: Option<&Array>, plan: &Plan) -> HostResult<Vec<Vec<u
     let index = |name: &Dynamic| {
         let found = plan.tests.iter().position(|test| name.clone().into_string().is_ok_and(|name| name == test.name));
         let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-        found.ok_or_else(|| refuse(format!("there is no test `{name}`; there are {}", known())))
+        found.ok_or_else(|| refuse!("there is no test `{name}`; there are {}", known()))
     };
     let group = |item: &Dynamic| {
         let mut found = match item.read_lock::<Array>() {
@@ -91,7 +91,7 @@ fn without(plan: &Plan, group: &[usize]) -> HostResult<Plan> {
     // What is an unknown of these tests alone would be searched without a test.
     let has_none = |unknown: &&Unknown| plan.tests_of(unknown).iter().all(|test| group.contains(test));
     match own.unknowns.iter().find(has_none) {
-        Some(unknown) => Err(refuse(format!("without its tests, `{}` is not determined at all", unknown.name))),
+        Some(unknown) => Err(refuse!("without its tests, `{}` is not determined at all", unknown.name)),
         None => Ok(own),
     }
 }

@@ -95,7 +95,7 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
     let mut all: Vec<Outcome> = Vec::new();
     for name in ["outcome", "rupture_time", "failure_mass"] {
         if map.contains_key(name) && several(map.get(name)).is_empty() {
-            return Err(refuse(format!("`{name}` is an empty array: what is known of each specimen")));
+            return Err(refuse!("`{name}` is an empty array: what is known of each specimen"));
         }
     }
     if map.contains_key("outcome") {
@@ -105,9 +105,7 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
                 "held" => Outcome::Held,
                 "broke" => Outcome::Broke,
                 other => {
-                    return Err(refuse(format!(
-                        "`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\""
-                    )));
+                    return Err(refuse!("`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\""));
                 }
             });
         }
@@ -117,10 +115,10 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
         if let Loading::Impact(impact) = &study.model().loading
             && time > impact.duration
         {
-            return Err(refuse(format!(
+            return Err(refuse!(
                 "`rupture_time` is {time} s, after the end of the run: `loading.impact.duration` is {} s",
                 impact.duration
-            )));
+            ));
         }
         all.push(Outcome::RuptureTime { time, error: error.unwrap_or(0.0) });
     }
@@ -159,13 +157,11 @@ fn with_error(
 ) -> HostResult<(f64, Option<f64>)> {
     let example = dimension.example;
     let wrong = |given: &Dynamic| -> Box<rhai::EvalAltResult> {
-        refuse(format!(
-            "`{of}` must be a string such as \"{example}\" or #{{ {name}: \"{example}\", error: … }}, not {given}"
-        ))
+        refuse!("`{of}` must be a string such as \"{example}\" or #{{ {name}: \"{example}\", error: … }}, not {given}")
     };
     let quantity = |value: &Dynamic| -> HostResult<f64> {
         let text = value.clone().into_string().map_err(|_| wrong(value))?;
-        dimension.parse(&text).map_err(|error| refuse(format!("`{of}`: {error}")))
+        dimension.parse(&text).map_err(|error| refuse!("`{of}`: {error}"))
     };
     let (value, error) = match given.read_lock::<Map>().map(|map| map.clone()) {
         None => (quantity(given)?, None),
@@ -177,7 +173,7 @@ fn with_error(
     };
     match value > 0.0 && error.is_none_or(|error| error >= 0.0) {
         true => Ok((value, error)),
-        false => Err(refuse(format!("`{of}` and its error are above zero, not {given}"))),
+        false => Err(refuse!("`{of}` and its error are above zero, not {given}")),
     }
 }
 
@@ -217,10 +213,10 @@ pub(super) fn factors(study: &Study, session: &Session) -> HostResult<[f64; 2]> 
             (Law::RateFabric(_), None) => "break strains that depend on the rate (`rates`)",
             _ => "film without break strains of MD and TD",
         };
-        return Err(refuse(format!(
+        return Err(refuse!(
             "outcomes of {missing} are not supported: they need a `[fabric]` of one curve a direction, whose last strain is \
             its break strain"
-        )));
+        ));
     }
     let longer = study.with(unbreakable(), session)?;
     let [longer, own] = [&longer, study].map(break_strains);

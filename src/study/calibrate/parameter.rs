@@ -87,7 +87,7 @@ pub(super) struct Unknown {
 impl Parameter {
     /// Reads `#{ key, start, within, log, prior, tests, scatter }`.
     pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
-        let of_parameter = |text: String| refuse(format!("parameter `{name}`: {text}"));
+        let of_parameter = |text: String| refuse!("parameter `{name}`: {text}");
         let map = given.read_lock::<Map>();
         let map =
             map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
@@ -355,7 +355,7 @@ pub(super) fn is_curve(given: &Dynamic) -> bool {
 
 /// Reads `#{ curve, start, strains, end, tests }`: a parameter a point.
 pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
-    let of_parameter = |text: String| refuse(format!("parameter `{name}`: {text}"));
+    let of_parameter = |text: String| refuse!("parameter `{name}`: {text}");
     let map = given.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
     let options = Options { of: "a curve of calibrate", map: &map };
     options.check(&CURVE_OPTIONS)?;

@@ -173,7 +173,7 @@ impl Plan {
                     true => " (a parameter that only some tests have names them: `tests: [\"…\"]`)",
                     false => "",
                 };
-                let wrong = refuse(format!("test `{}` at the start: {}{hint}", own.name, cause(&error)));
+                let wrong = refuse!("test `{}` at the start: {}{hint}", own.name, cause(&error));
                 let key = refused_key(&error);
                 let has = |parameter: &&Parameter| key.as_ref().is_some_and(|key| parameter.has(key));
                 match self.parameters.iter().find(has) {
@@ -444,7 +444,7 @@ fn tests(
     }
     for (place, test) in tests.iter().enumerate() {
         if tests[..place].iter().any(|other| other.name == test.name) {
-            return Err(refuse(format!("two tests are called `{}`: give one a `name`", test.name)));
+            return Err(refuse!("two tests are called `{}`: give one a `name`", test.name));
         }
     }
     Ok(tests)
@@ -488,27 +488,27 @@ fn unknowns(tests: &[Test], parameters: &[Parameter]) -> HostResult<Vec<Unknown>
     for parameter in parameters {
         if let Some(other) = parameter.tests.iter().find(|name| !names().any(|own| own == name.as_str())) {
             let known = names().collect::<Vec<_>>().join(", ");
-            return Err(refuse(format!("parameter `{}` names the test `{other}`; there are {known}", parameter.name)));
+            return Err(refuse!("parameter `{}` names the test `{other}`; there are {known}", parameter.name));
         }
         if !tests.iter().any(|test| is_of(parameter, test)) {
-            return Err(refuse(format!(
+            return Err(refuse!(
                 "parameter `{}` is a break strain, of which signals tell nothing: give a test its `outcome`, \
                 `failure_mass` or `rupture_time`",
                 parameter.name
-            )));
+            ));
         }
     }
     for test in tests {
         if let Some(other) = test.own.iter().find(|own| !parameters.iter().any(|parameter| parameter.name == **own)) {
-            return Err(refuse(format!("test `{}` has its own `{other}`, which is no parameter", test.name)));
+            return Err(refuse!("test `{}` has its own `{other}`, which is no parameter", test.name));
         }
         let acts = |own: &str| parameters.iter().any(|parameter| parameter.name == own && is_of(parameter, test));
         if let Some(other) = test.own.iter().find(|own| !acts(own)) {
-            return Err(refuse(format!(
+            return Err(refuse!(
                 "test `{}` has its own `{other}`, which does not act on it: the `tests` of that parameter do not name it, or it \
                 is a break strain and the test has no outcome",
                 test.name
-            )));
+            ));
         }
     }
     let mut unknowns = Vec::new();

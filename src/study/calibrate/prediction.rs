@@ -91,7 +91,7 @@ impl Prediction {
         }
         if runs.len() < 2 {
             let cause = warnings.last().map(ToString::to_string).unwrap_or_default();
-            return Err(refuse(format!("{name} has no prediction: {cause}")));
+            return Err(refuse!("{name} has no prediction: {cause}"));
         }
         if let Some(held) = held_by_extremes(runs.len()) {
             warnings.push(Warning::PredictionOfFewRuns { scenario: name.into(), runs: runs.len(), held });
@@ -340,9 +340,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
             .filter_map(|((own, share), level)| Some((own.value_at(*place)?, share * level)))
             .collect();
         let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
-        inner.push(
-            predictive_quantiles(&values, &BAND).ok_or_else(|| refuse(format!("{name} has no value at {place}")))?,
-        );
+        inner.push(predictive_quantiles(&values, &BAND).ok_or_else(|| refuse!("{name} has no value at {place}"))?);
         outer.push(ends(&own));
     }
     let curve = |title: &str, look, of: &dyn Fn(usize) -> f64| Curve {

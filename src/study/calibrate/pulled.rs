@@ -51,7 +51,7 @@ pub(super) fn window(given: Option<&Dynamic>) -> Result<[f64; 2], String> {
 /// Stress over strain of the film of a scenario, up to a strain.
 pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<Series> {
     if !(end > 0.0 && end.is_finite()) {
-        return Err(refuse(format!("a pull ends at a strain above zero, not at {end}")));
+        return Err(refuse!("a pull ends at a strain above zero, not at {end}"));
     }
     let strains: Vec<f64> = (0..=STEPS).map(|step| end * step as f64 / STEPS as f64).collect();
     let stresses = study.pulled(&strains, across)?;

@@ -78,9 +78,8 @@ impl Test {
         session: &Session,
     ) -> HostResult<Test> {
         let map = given.read_lock::<Map>().map(|map| map.clone());
-        let map = map.ok_or_else(|| {
-            refuse(format!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))
-        })?;
+        let map =
+            map.ok_or_else(|| refuse!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))?;
         let options = Options { of: "a test of calibrate", map: &map };
         options.check(&super::file::test_options())?;
         let mut study = scenarios.named(options.value("scenario")?, session)?;
@@ -90,7 +89,7 @@ impl Test {
             study = study.with(changes, session)?;
         }
         let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
-        let in_test = |text: String| refuse(format!("test `{name}`: {text}"));
+        let in_test = |text: String| refuse!("test `{name}`: {text}");
         let weight = options.number("weight", 1.0)?;
         if !(weight > 0.0 && weight.is_finite()) {
             return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
@@ -112,7 +111,7 @@ impl Test {
     /// The test with the signals that are compared.
     fn compared(self, options: &Options<'_>, tolerances: Tolerances, session: &Session) -> HostResult<Test> {
         let Options { map, .. } = options;
-        let in_test = |text: String| refuse(format!("test `{}`: {text}", self.name));
+        let in_test = |text: String| refuse!("test `{}`: {text}", self.name);
         let names = signals_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;
         let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
         let over = abscissa_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;

@@ -59,10 +59,10 @@ pub(super) fn register_reading(engine: &mut Engine) {
 
 /// The coupons whose files match `pattern`, each with its figures.
 fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> HostResult<Array> {
-    let paths = glob::glob(pattern).map_err(|error| refuse(format!("`{pattern}`: {error}")))?;
+    let paths = glob::glob(pattern).map_err(|error| refuse!("`{pattern}`: {error}"))?;
     let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(refuse)?;
     if paths.is_empty() {
-        return Err(refuse(format!("no file matches `{pattern}`")));
+        return Err(refuse!("no file matches `{pattern}`"));
     }
     let reading = CouponReader::new(coupon, rules(&Options { of: "read_coupons", map: given })?);
     let read = |path: &PathBuf| {
@@ -96,9 +96,9 @@ fn shear(coupon: &Coupon, curve: &Curve, more: &Map) -> HostResult<Map> {
     more.check(&["md", "td", "shear_by"])?;
     let fibre = |name: &str| {
         let curve = more.value(name)?.clone().try_cast::<Curve>();
-        let curve = curve.ok_or_else(|| refuse(format!("expected a curve as {name}: that of the fibres")))?;
+        let curve = curve.ok_or_else(|| refuse!("expected a curve as {name}: that of the fibres"))?;
         let points = curve.samples().filter(|[strain, _]| *strain > 0.0).collect();
-        material::Curve::new(points).map_err(|error| refuse(format!("{name}: {error}")))
+        material::Curve::new(points).map_err(|error| refuse!("{name}: {error}"))
     };
     let method: Option<ShearMethod> =
         more.map.get("shear_by").map(|method| method.to_string().parse()).transpose().map_err(refuse)?;
@@ -126,7 +126,7 @@ fn pulled(coupon: &mut Coupon, curve: Curve, strains: Array, noise: Array, machi
     let load_cell = has_cell.then(load_cell).transpose()?;
     let decimals = |name: &str| {
         let decimals = machine.value(name)?.as_int().ok().and_then(|count| u8::try_from(count).ok());
-        decimals.filter(|count| *count <= 15).ok_or_else(|| refuse(format!("{name} is a whole number from 0 to 15")))
+        decimals.filter(|count| *count <= 15).ok_or_else(|| refuse!("{name} is a whole number from 0 to 15"))
     };
     let machine = Machine {
         velocity: machine.quantity("velocity", Velocity::DIMENSION)?,
@@ -146,17 +146,14 @@ fn reduce(samples: &[Dynamic], given: &Map) -> HostResult<Reduced> {
 
 fn sample(item: &Dynamic, rules: &Rules) -> HostResult<Sample> {
     let Some(map) = item.read_lock::<Map>() else {
-        return Err(refuse(format!(
-            "a coupon's test is a map of direction, velocity and curve, not {}",
-            item.type_name()
-        )));
+        return Err(refuse!("a coupon's test is a map of direction, velocity and curve, not {}", item.type_name()));
     };
     let test = Options { of: "a coupon's test", map: &map };
     let direction = test.value("direction")?.to_string().parse().map_err(refuse)?;
     let velocity = test.quantity("velocity", Velocity::DIMENSION)?;
     let curve = test.value("curve")?;
     let Some(curve) = curve.clone().try_cast::<Curve>() else {
-        return Err(refuse(format!("expected a curve, found {}", curve.type_name())));
+        return Err(refuse!("expected a curve, found {}", curve.type_name()));
     };
     let is_virtual = test.boolean("is_virtual", false)?;
     let sample = Sample::new(direction, velocity, &curve, rules).map_err(refuse)?;
@@ -254,12 +251,12 @@ fn describe(curve: &mut Curve) -> String {
 
 fn value_at(curve: &mut Curve, strain: Dynamic) -> HostResult<f64> {
     let strain = number(&strain, "a strain")?;
-    curve.stress_at(strain).ok_or_else(|| refuse(format!("the curve has no stress at the strain {strain}")))
+    curve.stress_at(strain).ok_or_else(|| refuse!("the curve has no stress at the strain {strain}"))
 }
 
 fn slice(curve: &mut Curve, from: Dynamic, to: Dynamic) -> HostResult<Curve> {
     let range = [number(&from, "the start")?, number(&to, "the end")?];
-    curve.within(range).ok_or_else(|| refuse(format!("fewer than two samples between {} and {}", range[0], range[1])))
+    curve.within(range).ok_or_else(|| refuse!("fewer than two samples between {} and {}", range[0], range[1]))
 }
 
 fn slope(curve: &Curve, window: [f64; 2]) -> HostResult<f64> {
@@ -284,7 +281,7 @@ fn yields(curve: &Curve, window: [f64; 2]) -> HostResult<Dynamic> {
 fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, Error>) -> HostResult<Curve> {
     let curve = |item: &Dynamic| {
         let found = item.clone().try_cast::<Curve>();
-        found.ok_or_else(|| refuse(format!("expected a curve, found {}", item.type_name())))
+        found.ok_or_else(|| refuse!("expected a curve, found {}", item.type_name()))
     };
     of(&curves.iter().map(curve).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
 }
@@ -292,7 +289,7 @@ fn mean(curves: &Array, of: fn(&[Curve]) -> Result<Curve, Error>) -> HostResult<
 fn mean_of_groups(groups: &[Dynamic]) -> HostResult<f64> {
     let group = |item: &Dynamic| match item.read_lock::<Array>() {
         Some(figures) => numbers(&figures, "a figure"),
-        None => Err(refuse(format!("expected a list of figures, found {}", item.type_name()))),
+        None => Err(refuse!("expected a list of figures, found {}", item.type_name())),
     };
     mean_of_means(&groups.iter().map(group).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
 }

@@ -99,7 +99,7 @@ fn masks(value: &Dynamic) -> HostResult<Vec<[f64; 2]>> {
         None => vec![window(value)?],
     };
     let reversed = masks.iter().find(|[from, to]| from.is_nan() || to.is_nan() || from >= to);
-    let refusal = |[from, to]: &[f64; 2]| refuse(format!("a mask ends after it begins, not from {from} s to {to} s"));
+    let refusal = |[from, to]: &[f64; 2]| refuse!("a mask ends after it begins, not from {from} s to {to} s");
     reversed.map_or(Ok(()), |mask| Err(refusal(mask)))?;
     Ok(masks)
 }
@@ -113,7 +113,7 @@ fn correction(about: &Options<'_>) -> HostResult<Correction> {
             Ok(Correction::Coupling { time_constant })
         }
         Some("ramp") => Ok(Correction::Ramp),
-        Some(other) => Err(refuse(format!("expected \"coupling\" or \"ramp\" for the correction, found {other}"))),
+        Some(other) => Err(refuse!("expected \"coupling\" or \"ramp\" for the correction, found {other}")),
     }
 }
 
@@ -169,9 +169,7 @@ fn sensors(about: &Options<'_>) -> HostResult<Sensors> {
     };
     let sees = match about.map.get("laser") {
         None => true,
-        Some(flag) => {
-            flag.as_bool().map_err(|found| refuse(format!("expected true or false for laser, found {found}")))?
-        }
+        Some(flag) => flag.as_bool().map_err(|found| refuse!("expected true or false for laser, found {found}"))?,
     };
     let rest = match about.map.get("rest") {
         None => assumed.rest,

@@ -73,7 +73,7 @@ fn set(item: &Dynamic) -> HostResult<DataSet> {
     let kind: TestKind = test.value("test")?.to_string().parse().map_err(refuse)?;
     let column = |name: &str, what: &str| {
         let values = test.value(name)?.clone().into_array();
-        numbers(&values.map_err(|found| refuse(format!("expected a list as {name}, found {found}")))?, what)
+        numbers(&values.map_err(|found| refuse!("expected a list as {name}, found {found}"))?, what)
     };
     let common = ["name", "test", "weight", "is_virtual"];
     let (columns, measured) = match kind {
@@ -115,7 +115,7 @@ fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
     let predicted = match options.get("predict") {
         Some(list) => {
             let list = list.clone().into_array();
-            let list = list.map_err(|found| refuse(format!("expected a list of tests as predict, found {found}")))?;
+            let list = list.map_err(|found| refuse!("expected a list of tests as predict, found {found}"))?;
             list.iter().map(set).collect::<HostResult<Vec<_>>>()?
         }
         None => vec![],
@@ -159,7 +159,7 @@ fn test_map(test: &TestFit) -> Map {
 fn relaxation(times: Array, moduli: Array, terms: INT) -> HostResult<Map> {
     let [times, moduli] = equal([numbers(&times, "a time")?, numbers(&moduli, "a modulus")?])?;
     let points: Vec<[f64; 2]> = times.into_iter().zip(moduli).map(|(time, modulus)| [time, modulus]).collect();
-    let terms = usize::try_from(terms).map_err(|_| refuse(format!("expected a number of terms, found {terms}")))?;
+    let terms = usize::try_from(terms).map_err(|_| refuse!("expected a number of terms, found {terms}"))?;
     fit_prony(&points, terms).map(|fit| prony_map(&fit)).map_err(refuse)
 }
 

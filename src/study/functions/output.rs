@@ -37,7 +37,7 @@ pub(super) fn register_results(collector: &OutputCollector, engine: &mut Engine)
 
 fn finding_of(map: Map) -> HostResult<Finding> {
     let finding = serde_json::from_value(to_json(&map.into())?);
-    finding.map_err(|error| refuse(format!("a finding is a map with `code`, `severity` and `message`: {error}")))
+    finding.map_err(|error| refuse!("a finding is a map with `code`, `severity` and `message`: {error}"))
 }
 
 fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
@@ -45,11 +45,11 @@ fn rows_of(rows: &Dynamic, columns: Option<&Array>) -> HostResult<Vec<Row>> {
         return Ok(vec![row_of(&map, columns)?]);
     }
     let Some(rows) = rows.read_lock::<Array>() else {
-        return Err(refuse(format!("a table is a map or a list of maps, not {}", rows.type_name())));
+        return Err(refuse!("a table is a map or a list of maps, not {}", rows.type_name()));
     };
     let row = |row: &Dynamic| match row.read_lock::<Map>() {
         Some(map) => row_of(&map, columns),
-        None => Err(refuse(format!("a row of a table is a map, not {}", row.type_name()))),
+        None => Err(refuse!("a row of a table is a map, not {}", row.type_name())),
     };
     rows.iter().map(row).collect()
 }
@@ -60,7 +60,7 @@ fn row_of(map: &Map, columns: Option<&Array>) -> HostResult<Row> {
     };
     let column = |column: &Dynamic| {
         let name = column.to_string();
-        let value = map.get(name.as_str()).ok_or_else(|| refuse(format!("a row has no `{name}`")))?;
+        let value = map.get(name.as_str()).ok_or_else(|| refuse!("a row has no `{name}`"))?;
         Ok((name, to_json(value)?))
     };
     columns.iter().map(column).collect()
@@ -169,7 +169,7 @@ impl Given {
 fn look(value: &Dynamic) -> HostResult<Look> {
     let text = value.to_string();
     let found = LOOKS.iter().find(|(name, _)| *name == text).map(|(_, look)| *look);
-    found.ok_or_else(|| refuse(format!("unknown look `{text}` (there are line, dashed, points)")))
+    found.ok_or_else(|| refuse!("unknown look `{text}` (there are line, dashed, points)"))
 }
 
 impl Shape {
@@ -180,14 +180,14 @@ impl Shape {
         if let Some(law) = value.read_lock::<coupon::Curve>() {
             return Ok(Shape::Law(law.clone()));
         }
-        let wrong = || refuse(format!("a plot shows signals, curves or pairs [xs, ys], not {}", value.type_name()));
+        let wrong = || refuse!("a plot shows signals, curves or pairs [xs, ys], not {}", value.type_name());
         let pair = value.read_lock::<Array>().ok_or_else(wrong)?;
         let [x, y] = pair.as_slice() else {
-            return Err(refuse(format!("a pair of a plot is [xs, ys], not a list of {}", pair.len())));
+            return Err(refuse!("a pair of a plot is [xs, ys], not a list of {}", pair.len()));
         };
         let columns = [Column::from_value(x)?, Column::from_value(y)?];
         let [x, y] = columns.each_ref().map(|column| column.values().len());
-        if x == y { Ok(Shape::Pair(columns)) } else { Err(refuse(format!("{x} values along x for {y} along y"))) }
+        if x == y { Ok(Shape::Pair(columns)) } else { Err(refuse!("{x} values along x for {y} along y")) }
     }
 }
 
@@ -225,9 +225,7 @@ fn axes(title: &str, options: &Options<'_>, given: &[Given]) -> HostResult<Axes>
 fn picture(options: &Map) -> HostResult<Option<String>> {
     let name = label(&Options { of: "plot", map: options }, "picture")?;
     match name {
-        Some(name) if !name.ends_with(".svg") => {
-            Err(refuse(format!("a picture is a file that ends in .svg, not `{name}`")))
-        }
+        Some(name) if !name.ends_with(".svg") => Err(refuse!("a picture is a file that ends in .svg, not `{name}`")),
         name => Ok(name),
     }
 }
@@ -236,7 +234,7 @@ fn label(options: &Options<'_>, name: &str) -> HostResult<Option<String>> {
     let Some(value) = options.map.get(name) else { return Ok(None) };
     match value.read_lock::<ImmutableString>() {
         Some(text) => Ok(Some(text.to_string())),
-        None => Err(refuse(format!("`{name}` must be a string, not {}", value.type_name()))),
+        None => Err(refuse!("`{name}` must be a string, not {}", value.type_name())),
     }
 }
 
@@ -245,7 +243,7 @@ fn in_unit(label: &str, units: &[(&str, f64)]) -> HostResult<f64> {
     let found = units.iter().find(|(unit, _)| label.ends_with(unit));
     found.map(|(_, factor)| *factor).ok_or_else(|| {
         let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        refuse(format!("`{label}` has no unit at its end: add {}", known.join(" or ")))
+        refuse!("`{label}` has no unit at its end: add {}", known.join(" or "))
     })
 }
 
@@ -254,7 +252,7 @@ fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
     let Some(bounds) = options.map.get("window") else { return Ok(None) };
     let [from, to] = window(bounds)?;
     if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(refuse(format!("the end of a window exceeds its start, which {from} to {to} does not")));
+        return Err(refuse!("the end of a window exceeds its start, which {from} to {to} does not"));
     }
     let label = label(options, "window_name")?.unwrap_or_else(|| "window".into());
     Ok(Some(Window { label, range: [from * factor, to * factor] }))
@@ -280,7 +278,7 @@ pub(super) fn register_files(collector: &OutputCollector, engine: &mut Engine) {
 /// The text of a table: comments, a header, one row per value; a number that is not finite leaves its cell empty.
 fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if names.len() != columns.len() {
-        return Err(refuse(format!("{} names for {} columns", names.len(), columns.len())));
+        return Err(refuse!("{} names for {} columns", names.len(), columns.len()));
     }
     let columns = columns.iter().map(Column::from_value).collect::<HostResult<Vec<_>>>()?;
     let columns: Vec<&[f64]> = columns.iter().map(Column::values).collect();
@@ -336,7 +334,7 @@ impl Column {
             return Ok(Column::Signal(series.clone()));
         }
         let Some(items) = column.read_lock::<Array>() else {
-            return Err(refuse(format!("a column is a signal or a list of numbers, not {}", column.type_name())));
+            return Err(refuse!("a column is a signal or a list of numbers, not {}", column.type_name()));
         };
         let value = |item: &Dynamic| if item.is_unit() { Ok(f64::NAN) } else { number(item, "a cell") };
         items.iter().map(value).collect::<HostResult<_>>().map(Column::List)

@@ -47,7 +47,7 @@ pub(super) fn wanted(more: &Map) -> HostResult<ReadOptions> {
             "columns" => wanted.names = list(value)?,
             "units" => wanted.units = units(value)?,
             other => {
-                return Err(refuse(format!("unknown key `{other}`; a recording is read with time, columns or units")));
+                return Err(refuse!("unknown key `{other}`; a recording is read with time, columns or units"));
             }
         }
     }
@@ -56,19 +56,18 @@ pub(super) fn wanted(more: &Map) -> HostResult<ReadOptions> {
 
 fn text(value: &Dynamic, what: &str) -> HostResult<String> {
     let text = value.clone().into_string();
-    text.map_err(|found| refuse(format!("expected {what} as text, found {found}")))
+    text.map_err(|found| refuse!("expected {what} as text, found {found}"))
 }
 
 fn list(value: &Dynamic) -> HostResult<Vec<String>> {
     let names = value.read_lock::<Array>();
-    let names = names.ok_or_else(|| refuse(format!("expected a list of columns, found {}", value.type_name())))?;
+    let names = names.ok_or_else(|| refuse!("expected a list of columns, found {}", value.type_name()))?;
     names.iter().map(|name| text(name, "the name of a column")).collect()
 }
 
 fn units(value: &Dynamic) -> HostResult<Vec<(String, Unit)>> {
     let units = value.read_lock::<Map>();
-    let units =
-        units.ok_or_else(|| refuse(format!("expected units as #{{ name: unit }}, found {}", value.type_name())))?;
+    let units = units.ok_or_else(|| refuse!("expected units as #{{ name: unit }}, found {}", value.type_name()))?;
     let unit = |(name, symbol): (&Identifier, &Dynamic)| {
         let unit = Unit::parse(&text(symbol, "a unit")?).map_err(refuse)?;
         Ok((name.to_string(), unit))
@@ -116,21 +115,21 @@ pub(super) fn register_tables(engine: &mut Engine) {
 /// One map per row, by the names in the header; `#` lines are comments, an empty cell is `()`.
 fn read_table(path: &Path) -> HostResult<Array> {
     let shown = path.display();
-    let malformed = |error: csv::Error| refuse(format!("{shown}: {error}"));
+    let malformed = |error: csv::Error| refuse!("{shown}: {error}");
     let too_long = || {
         let limit = format!("is longer than {LONGEST} bytes or has more than {MOST_CELLS} cells");
-        refuse(format!("{shown} {limit}; read_recording is for signals"))
+        refuse!("{shown} {limit}; read_recording is for signals")
     };
     let text = read_text(path, LONGEST).map_err(|error| match error {
         FileError::TooLarge { .. } => too_long(),
-        FileError::NotAFile => refuse(format!("{shown} is not a file")),
-        error => refuse(format!("cannot read {shown}: {error}")),
+        FileError::NotAFile => refuse!("{shown} is not a file"),
+        error => refuse!("cannot read {shown}: {error}"),
     })?;
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let names = reader.headers().map_err(malformed)?.clone();
     let mut seen = HashSet::new();
     if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
-        return Err(refuse(format!("{shown}: two columns are called `{name}`")));
+        return Err(refuse!("{shown}: two columns are called `{name}`"));
     }
     let mut rows = Array::new();
     for record in reader.records() {
@@ -138,7 +137,7 @@ fn read_table(path: &Path) -> HostResult<Array> {
         let row = rows.len() + 1;
         let not_finite = |name: &str| {
             let message = format!("{shown}: `{name}` of row {row} is not finite");
-            refuse(format!("{message}; leave the cell empty where there is no number"))
+            refuse!("{message}; leave the cell empty where there is no number")
         };
         let pair = |(name, text): (&str, &str)| Ok((name.into(), cell(text).ok_or_else(|| not_finite(name))?));
         rows.push(names.iter().zip(&record).map(pair).collect::<HostResult<Map>>()?.into());

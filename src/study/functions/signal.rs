@@ -58,7 +58,7 @@ fn build(time: Array, values: Array) -> HostResult<Series> {
     let numbers = |items: &Array, what| items.iter().map(|item| number(item, what)).collect::<HostResult<Vec<_>>>();
     let (time, values) = (numbers(&time, "a time")?, numbers(&values, "a value")?);
     if time.len() != values.len() {
-        return Err(refuse(format!("{} times for {} values", time.len(), values.len())));
+        return Err(refuse!("{} times for {} values", time.len(), values.len()));
     }
     if !time.iter().all(|t| t.is_finite()) || !time.windows(2).all(|pair| pair[0] < pair[1]) {
         return Err(refuse("time does not increase"));
@@ -91,7 +91,7 @@ fn nothing() -> Box<EvalAltResult> {
 
 fn value_at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
     let time = number(&time, "a time")?;
-    s.value_at(time).ok_or_else(|| refuse(format!("the signal has no value at {time} s")))
+    s.value_at(time).ok_or_else(|| refuse!("the signal has no value at {time} s"))
 }
 
 fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> HostResult<Series> {
@@ -190,7 +190,7 @@ fn resampled(s: &mut Series, step: Dynamic) -> HostResult<Series> {
         && step > 0.0
         && (last - first) / step >= MOST_SAMPLES
     {
-        return Err(refuse(format!("a time step of {step} s gives more than a million samples")));
+        return Err(refuse!("a time step of {step} s gives more than a million samples"));
     }
     resample::uniform(s, step).map_err(refuse)
 }
@@ -199,16 +199,14 @@ fn shifted(s: &mut Series, by: Dynamic) -> HostResult<Series> {
     let by = number(&by, "the time shift")?;
     let times: Vec<f64> = s.time().iter().map(|time| time + by).collect();
     let apart = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|time| time.is_finite());
-    if apart { Ok(Series::new(times, s.values())) } else { Err(refuse(format!("times cannot be shifted by {by} s"))) }
+    if apart { Ok(Series::new(times, s.values())) } else { Err(refuse!("times cannot be shifted by {by} s")) }
 }
 
 /// The numbers as a list within the limit of lists.
 fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
     let (count, most) = (numbers.len(), context.engine().max_array_size());
     if count > most {
-        return Err(refuse(format!(
-            "the signal has {count} samples, a list holds {most}: take a slice or resample it"
-        )));
+        return Err(refuse!("the signal has {count} samples, a list holds {most}: take a slice or resample it"));
     }
     Ok(numbers.iter().map(|number| (*number).into()).collect())
 }
@@ -232,7 +230,7 @@ pub(crate) fn register_random(engine: &mut Engine) {
 
 fn normals(stream: &mut Stream, count: INT) -> Result<Array, Box<EvalAltResult>> {
     if !(0..=MOST).contains(&count) {
-        return Err(refuse(format!("expected a count of 0 to {MOST} random numbers, found {count}")));
+        return Err(refuse!("expected a count of 0 to {MOST} random numbers, found {count}"));
     }
     let draw = |_| -> f64 { StandardNormal.sample(stream) };
     Ok((0..count).map(draw).map(Dynamic::from).collect())
@@ -265,13 +263,11 @@ fn threshold(
     }
     let holds = |x: f64| -> HostResult<bool> {
         let found: Dynamic = condition.call_within_context(&context, (x,))?;
-        found.as_bool().map_err(|kind| refuse(format!("the condition gives true or false, not {kind}")))
+        found.as_bool().map_err(|kind| refuse!("the condition gives true or false, not {kind}"))
     };
     let at_near = holds(near)?;
     if holds(far)? == at_near {
-        return Err(refuse(format!(
-            "the condition is {at_near} at {near} and at {far}: there is no threshold to find"
-        )));
+        return Err(refuse!("the condition is {at_near} at {near} and at {far}: there is no threshold to find"));
     }
     // Not until the tolerance is met: it may be less than the distance between two numbers of this size.
     for _ in 0..MOST_HALVINGS {

@@ -128,7 +128,7 @@ impl FieldErrors {
             return Err(numerical_failure(format!("the run did not reach the file of the field at {first} s")));
         }
         if !(scale.is_finite() && scale > 0.0) {
-            return Err(refuse(format!("residuals are divided by a positive length, not by {scale}")));
+            return Err(refuse!("residuals are divided by a positive length, not by {scale}"));
         }
         Ok(self.0.residuals().map(|residual| Dynamic::from(residual / scale)).collect())
     }
@@ -169,7 +169,7 @@ fn short(name: &str) -> Option<String> {
 
 fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Box<EvalAltResult> {
     let known: Vec<&str> = known.into_iter().collect();
-    refuse(format!("a {owner} has no `{name}`; it has {}", known.join(", ")))
+    refuse!("a {owner} has no `{name}`; it has {}", known.join(", "))
 }
 
 /// The quantities of a model that scripts read.

@@ -307,10 +307,20 @@ pub fn refuse(message: impl Display) -> Box<EvalAltResult> {
     message.to_string().into()
 }
 
+/// The function and the macro have one name, which one module cannot define twice.
+mod of_text {
+    /// The same of a text as that of `format!`.
+    macro_rules! refuse {
+        ($($message:tt)*) => { $crate::script::refuse(format!($($message)*)) };
+    }
+    pub(crate) use refuse;
+}
+pub(crate) use of_text::refuse;
+
 /// The same with a hint in parentheses.
 pub fn refuse_hinted(message: &impl Display, hint: Option<impl Display>) -> Box<EvalAltResult> {
     match hint {
-        Some(hint) => refuse(format!("{message} ({hint})")),
+        Some(hint) => refuse!("{message} ({hint})"),
         None => refuse(message),
     }
 }

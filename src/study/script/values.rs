@@ -25,7 +25,7 @@ pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
         return Ok(float);
     }
     let integer = value.as_int();
-    integer.map(|i| i as f64).map_err(|found| refuse(format!("expected a number for {what}, found {found}")))
+    integer.map(|i| i as f64).map_err(|found| refuse!("expected a number for {what}, found {found}"))
 }
 
 /// A window of time `[from, to]` in s.
@@ -36,7 +36,7 @@ pub fn window(value: &Dynamic) -> HostResult<[f64; 2]> {
     let bounds = value.read_lock::<Array>();
     let bounds = bounds.as_deref().map(Vec::as_slice);
     let Some([from, to]) = bounds else {
-        return Err(refuse(format!("expected a window [from, to], found {}", value.type_name())));
+        return Err(refuse!("expected a window [from, to], found {}", value.type_name()));
     };
     Ok([number(from, "the window's start")?, number(to, "the window's end")?])
 }
@@ -51,7 +51,7 @@ pub fn to_json(value: &Dynamic) -> HostResult<Value> {
 
 fn nested_to_json(value: &Dynamic, depth: usize) -> HostResult<Value> {
     let Some(depth) = depth.checked_sub(1) else {
-        return Err(refuse(format!("values are nested more than {DEEPEST} deep")));
+        return Err(refuse!("values are nested more than {DEEPEST} deep"));
     };
     if let Some(items) = value.read_lock::<Array>() {
         let items = items.iter().map(|item| nested_to_json(item, depth));
@@ -80,7 +80,7 @@ fn plain_to_json(value: &Dynamic) -> HostResult<Value> {
     if value.is_string() || value.is_char() {
         return Ok(Value::String(value.to_string()));
     }
-    Err(refuse(format!("a {} is not a figure: reduce it to a number, such as its max()", value.type_name())))
+    Err(refuse!("a {} is not a figure: reduce it to a number, such as its max()", value.type_name()))
 }
 
 /// `findings`, a list of maps with code, severity, message and figures, and `warnings`, the messages of the warnings
@@ -146,7 +146,7 @@ impl Options<'_> {
     /// # Errors
     /// It is missing.
     pub fn value(&self, name: &str) -> HostResult<&Dynamic> {
-        self.map.get(name).ok_or_else(|| refuse(format!("{} needs `{name}`", self.of)))
+        self.map.get(name).ok_or_else(|| refuse!("{} needs `{name}`", self.of))
     }
 
     /// The number `name`.
@@ -179,7 +179,7 @@ impl Options<'_> {
     pub fn quantity(&self, name: &str, dimension: Dimension) -> HostResult<f64> {
         let value = self.value(name)?;
         match value.read_lock::<ImmutableString>() {
-            Some(text) => dimension.parse(&text).map_err(|error| refuse(format!("{name}: {error}"))),
+            Some(text) => dimension.parse(&text).map_err(|error| refuse!("{name}: {error}")),
             None => number(value, name),
         }
     }
@@ -188,7 +188,7 @@ impl Options<'_> {
     pub fn boolean(&self, name: &str, otherwise: bool) -> HostResult<bool> {
         let boolean = |value: &Dynamic| value.as_bool();
         let value = self.map.get(name).map_or(Ok(otherwise), boolean);
-        value.map_err(|found| refuse(format!("{name} is true or false, not {found}")))
+        value.map_err(|found| refuse!("{name} is true or false, not {found}"))
     }
 }
 
@@ -221,7 +221,7 @@ impl Arguments {
         match self.0.get(name) {
             None => Ok(otherwise),
             Some(value) if value.is_int() || value.is_float() => Ok(value.clone()),
-            Some(value) => Err(refuse(format!("--arg {name}: expected a number, found `{value}`{}", comma(value)))),
+            Some(value) => Err(refuse!("--arg {name}: expected a number, found `{value}`{}", comma(value))),
         }
     }
 
@@ -234,7 +234,7 @@ impl Arguments {
         let count = otherwise.len();
         numbers.filter(|numbers| numbers.len() == count).ok_or_else(|| {
             let example = otherwise.iter().map(Dynamic::to_string).collect::<Vec<_>>().join(", ");
-            refuse(format!("--arg {name}: expected {count} numbers, such as {example}, found `{text}`"))
+            refuse!("--arg {name}: expected {count} numbers, such as {example}, found `{text}`")
         })
     }
 
@@ -245,7 +245,7 @@ impl Arguments {
 
     fn get(&mut self, name: ImmutableString) -> HostResult<Dynamic> {
         let how = if name == "scenario" { "--scenario FILE".into() } else { format!("--arg {name}=…") };
-        self.0.get(name.as_str()).cloned().ok_or_else(|| refuse(format!("the script needs `{name}`: give {how}")))
+        self.0.get(name.as_str()).cloned().ok_or_else(|| refuse!("the script needs `{name}`: give {how}"))
     }
 }
 

@@ -91,7 +91,7 @@ fn varied(study: &Study, options: &Options<'_>) -> HostResult<Document> {
 }
 
 fn assignment(path: &str, value: &Value) -> HostResult<Assignment> {
-    let value = toml::Value::try_from(value).map_err(|error| refuse(format!("{path}: {error}")))?;
+    let value = toml::Value::try_from(value).map_err(|error| refuse!("{path}: {error}"))?;
     Assignment::from_value(path, &value, "options").map_err(|mistakes| refused(SweepError::Scenario(mistakes)))
 }
 
@@ -108,7 +108,7 @@ fn refused(error: SweepError) -> Box<rhai::EvalAltResult> {
 fn whole(options: &Options<'_>, name: &str, default: usize) -> HostResult<usize> {
     let Some(value) = options.map.get(name) else { return Ok(default) };
     let number = value.as_int().ok().and_then(|number| usize::try_from(number).ok()).filter(|number| *number > 0);
-    number.ok_or_else(|| refuse(format!("expected a whole number above zero as {name}, found {value}")))
+    number.ok_or_else(|| refuse!("expected a whole number above zero as {name}, found {value}"))
 }
 
 /// `sweep(scenario, #{ … })`.
@@ -145,7 +145,7 @@ fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let samples = whole(options, "samples", 128)?;
     let seed = whole(options, "seed", 1)? as u64;
     let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
-    let asked = asked.map_err(|found| refuse(format!("expected a list of names as figures, found {found}")))?;
+    let asked = asked.map_err(|found| refuse!("expected a list of names as figures, found {found}"))?;
     let document = varied(study, options)?;
     let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
     let factors = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors;
@@ -161,9 +161,9 @@ fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let mut found = serde_json::Map::new();
     for name in asked.unwrap_or_else(varying) {
         let column = results.table.column(&name);
-        let column = column.ok_or_else(|| refuse(format!("the runs have no figure `{name}`")))?;
+        let column = column.ok_or_else(|| refuse!("the runs have no figure `{name}`"))?;
         let fit = Surrogate::fit(&families, &points, &column.values.numbers(), &Fit::default());
-        let fit = fit.map_err(|error| refuse(format!("{name}: {error}")))?;
+        let fit = fit.map_err(|error| refuse!("{name}: {error}"))?;
         let figures = json!({
             "q2": fit.q2(), "degree": fit.degree(), "terms": fit.terms(), "mean": fit.mean(), "deviation": fit.variance().sqrt(),
             "first": of_keys(fit.first()), "total": of_keys(fit.total()),
@@ -196,7 +196,7 @@ struct Limit {
 impl Limit {
     fn read(options: &Options<'_>) -> HostResult<Limit> {
         let figure = options.value("figure")?.clone().into_string();
-        let figure = figure.map_err(|found| refuse(format!("expected the name of a figure, found {found}")))?;
+        let figure = figure.map_err(|found| refuse!("expected the name of a figure, found {found}"))?;
         match (options.map.contains_key("above"), options.map.contains_key("below")) {
             (true, false) => Ok(Limit { figure, limit: options.needed_number("above")?, above: true }),
             (false, true) => Ok(Limit { figure, limit: options.needed_number("below")?, above: false }),
@@ -285,7 +285,7 @@ fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<
     let values = match results.table.column(&limit.figure) {
         Some(column) => column.values.numbers(),
         None if results.failed == points.len() => return Ok(vec![None; points.len()]),
-        None => return Err(refuse(format!("the runs have no figure `{}`", limit.figure))),
+        None => return Err(refuse!("the runs have no figure `{}`", limit.figure)),
     };
     let state = |(row, value): (usize, Option<f64>)| match results.table.failure(row) {
         Some(_) => None,
@@ -316,7 +316,7 @@ fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
         let place: Vec<f64> = (0..factors).map(|_| stream.normal()).collect();
         let output = outputs(&specimen, &[place], &limit, host)?;
         let state = output.first().copied().flatten();
-        let state = state.ok_or_else(|| refuse(format!("the run at {key} = {level} failed")))?;
+        let state = state.ok_or_else(|| refuse!("the run at {key} = {level} failed"))?;
         outcomes.push(if state < 0.0 { Outcome::Failed } else { Outcome::Survived });
     }
     let reduction = stairs.reduce(&outcomes, CONFIDENCE).map_err(refuse)?;
@@ -377,11 +377,10 @@ fn strength(counts: &[Counts], session: &Session) -> HostResult<Option<ProbitFit
 /// `probit(levels, failed)`: () and a finding where the outcomes have no fit.
 fn probit_of(levels: &Array, failed: &Array, session: &Session) -> HostResult<Dynamic> {
     if levels.len() != failed.len() {
-        return Err(refuse(format!("{} levels, but {} outcomes", levels.len(), failed.len())));
+        return Err(refuse!("{} levels, but {} outcomes", levels.len(), failed.len()));
     }
     let specimen = |(level, failed): (&Dynamic, &Dynamic)| {
-        let failed =
-            failed.as_bool().map_err(|found| refuse(format!("expected a Boolean, found a value of type {found}")))?;
+        let failed = failed.as_bool().map_err(|found| refuse!("expected a Boolean, found a value of type {found}"))?;
         Ok(Counts { level: number(level, "a level")?, trials: 1, failures: u64::from(failed) })
     };
     let counts = levels.iter().zip(failed).map(specimen).collect::<HostResult<Vec<Counts>>>()?;

@@ -239,7 +239,7 @@ impl Sampling<'_> {
                         0 => String::new(),
                         _ => format!("; {count} of its runs failed, the first: {cause}"),
                     };
-                    refuse(format!("the surrogate of {name}: {error}{of_runs}"))
+                    refuse!("the surrogate of {name}: {error}{of_runs}")
                 })
             });
             let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
@@ -373,7 +373,7 @@ impl Sampling<'_> {
         let share = points.len() as f64 / before;
         if share < LEAST_SUPPORTED {
             let cause = refusing.iter().find_map(|test| self.refusal(*test)).unwrap_or_default();
-            return Err(refuse(format!("the posterior lies where scenarios are refused: {cause}")));
+            return Err(refuse!("the posterior lies where scenarios are refused: {cause}"));
         }
         let effective = samples.effective.iter().map(|size| size * share).collect();
         Ok(Samples { points, effective, ..samples })
@@ -517,7 +517,7 @@ impl Sampling<'_> {
             between.map(|(a, b)| a + 0.5 * share * (b - a)).collect()
         };
         let found = ensemble::sample(&density, start, &options)
-            .map_err(|error| refuse(format!("the posterior cannot be sampled: {error}")))?;
+            .map_err(|error| refuse!("the posterior cannot be sampled: {error}"))?;
         self.within_support(found)
     }
 

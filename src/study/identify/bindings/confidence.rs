@@ -46,7 +46,7 @@ impl Request {
                 "relative" => {
                     let boolean = value.as_bool();
                     request.options.relative =
-                        boolean.map_err(|found| refuse(format!("`relative` is true or false, not {found}")))?;
+                        boolean.map_err(|found| refuse!("`relative` is true or false, not {found}"))?;
                 }
                 "parts" => request.parts = Some(parts(value)?),
                 "misfit" if own.contains_key("noise") => {
@@ -73,7 +73,7 @@ impl Request {
 }
 
 fn parts(value: &Dynamic) -> HostResult<Vec<usize>> {
-    let wrong = || refuse(format!("`parts` is a list of lengths, such as [400, 400], not {value}"));
+    let wrong = || refuse!("`parts` is a list of lengths, such as [400, 400], not {value}");
     let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
     let length = |item: &Dynamic| item.as_int().ok().and_then(|length| usize::try_from(length).ok());
     list.iter().map(|item| length(item).filter(|length| *length > 0).ok_or_else(wrong)).collect()
@@ -81,8 +81,7 @@ fn parts(value: &Dynamic) -> HostResult<Vec<usize>> {
 
 /// The assumed errors of the parts: one for all, or a list of the option that differs.
 fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
-    let kind =
-        || refuse(format!("`misfit` is a map, such as #{{ error: 0.03, correlation: 20 }}, not {}", value.type_name()));
+    let kind = || refuse!("`misfit` is a map, such as #{{ error: 0.03, correlation: 20 }}, not {}", value.type_name());
     let map = value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(kind)?;
     if let Some(other) = map.keys().find(|option| !MISFIT.contains(&option.as_str())) {
         return Err(unknown("option of `misfit`", other, MISFIT));
@@ -91,7 +90,7 @@ fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
         let values = match (map.get(name), otherwise) {
             (None, Some(otherwise)) => vec![otherwise],
             (None, None) => {
-                return Err(refuse(format!("`misfit` has no `{name}`, the norm of the error of the residuals")));
+                return Err(refuse!("`misfit` has no `{name}`, the norm of the error of the residuals"));
             }
             (Some(value), _) => match value.read_lock::<Array>() {
                 Some(list) => list.iter().map(|item| number(item, name)).collect::<HostResult<Vec<f64>>>()?,
@@ -99,7 +98,7 @@ fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
             },
         };
         match values.iter().find(|value| !(value.is_finite() && fits(**value))) {
-            Some(found) => Err(refuse(format!("`{name}` of `misfit` is {found}, which must be {range}"))),
+            Some(found) => Err(refuse!("`{name}` of `misfit` is {found}, which must be {range}")),
             None => Ok(values),
         }
     };
@@ -122,19 +121,19 @@ fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
 /// Standard deviations of parameters; `()` for those without one.
 fn deviations(option: &str, value: &Dynamic, unknowns: usize) -> HostResult<Vec<Option<f64>>> {
     let wrong = || {
-        refuse(format!(
+        refuse!(
             "`{option}` is a list of standard deviations, () for parameters without one, such as [(), 0.1], not {value}"
-        ))
+        )
     };
     let list = value.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
     if list.len() != unknowns {
-        return Err(refuse(format!("`{option}` has {} entries for {unknowns} unknowns", list.len())));
+        return Err(refuse!("`{option}` has {} entries for {unknowns} unknowns", list.len()));
     }
     let deviation = |item: &Dynamic| match item.is_unit() {
         true => Ok(None),
         false => match number(item, option)? {
             deviation if deviation.is_finite() && deviation > 0.0 => Ok(Some(deviation)),
-            found => Err(refuse(format!("a standard deviation of `{option}` is {found}, which must be above zero"))),
+            found => Err(refuse!("a standard deviation of `{option}` is {found}, which must be above zero")),
         },
     };
     list.iter().map(deviation).collect()

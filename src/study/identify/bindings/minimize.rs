@@ -45,9 +45,7 @@ fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[Scri
     };
     let Some(values) = searches.iter().map(values).collect::<Option<Vec<_>>>() else {
         let count = searches.len();
-        return Err(refuse(format!(
-            "the results of {count} searches are more values than a list holds: call it for fewer"
-        )));
+        return Err(refuse!("the results of {count} searches are more values than a list holds: call it for fewer"));
     };
     let results = host.minimize(context, searches)?;
     let found = results.iter().zip(searches).zip(values);
@@ -59,7 +57,7 @@ fn searches(method: &str, starts: &Array, options: &Dynamic, calls: Array) -> Ho
     let count = calls.len();
     let check_length = |list: &Array, what: &str| match list.len() {
         found if found == count => Ok(()),
-        found => Err(refuse(format!("minimize_all has {found} {what} for {count} objectives"))),
+        found => Err(refuse!("minimize_all has {found} {what} for {count} objectives")),
     };
     check_length(starts, "starts")?;
     let options: Vec<Dynamic> = match options.read_lock::<Array>() {
@@ -68,7 +66,7 @@ fn searches(method: &str, starts: &Array, options: &Dynamic, calls: Array) -> Ho
     };
     let searches = starts.iter().zip(options).zip(calls).enumerate().map(|(number, ((start, options), call))| {
         let of_search = |error: Box<EvalAltResult>| match &*error {
-            EvalAltResult::ErrorRuntime(value, _) => refuse(format!("search {}: {}", number + 1, thrown(value))),
+            EvalAltResult::ErrorRuntime(value, _) => refuse!("search {}: {}", number + 1, thrown(value)),
             _ => error,
         };
         let start = start.read_lock::<Array>().ok_or_else(|| of_search(refuse("its start is a list of numbers")))?;
@@ -127,11 +125,11 @@ impl ScriptSearch {
         for (option, value) in options {
             let list = || match value.read_lock::<Array>() {
                 Some(list) => Ok(list.clone()),
-                None => Err(refuse(format!("`{option}` is a list, not {}", value.type_name()))),
+                None => Err(refuse!("`{option}` is a list, not {}", value.type_name())),
             };
             let text = || {
                 let text = value.clone().into_immutable_string();
-                text.map_err(|found| refuse(format!("`{option}` must be a string, not {found}")))
+                text.map_err(|found| refuse!("`{option}` must be a string, not {found}"))
             };
             match option.as_str() {
                 "tol_x" => search.tol_x = number(value, option)?,
@@ -152,10 +150,7 @@ impl ScriptSearch {
             }
         }
         if search.names.len() != unknowns {
-            return Err(refuse(format!(
-                "`names` has {found} entries for {unknowns} unknowns",
-                found = search.names.len()
-            )));
+            return Err(refuse!("`names` has {found} entries for {unknowns} unknowns", found = search.names.len()));
         }
         check_labels(&search.names, &labels, &signals)?;
         labels.signals = signals.iter().map(|text| SignalLabel::parse(text)).collect();
@@ -189,7 +184,7 @@ pub(super) fn unknown<'k>(
         Some(close) => format!("did you mean `{close}`?"),
         None => format!("there are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
     };
-    refuse(format!("unknown {what} `{text}` ({hint})"))
+    refuse!("unknown {what} `{text}` ({hint})")
 }
 
 /// The error for an option that `function` does not have.
@@ -200,7 +195,7 @@ pub(super) fn unknown_option<'k>(
 ) -> Box<EvalAltResult> {
     let gone = |function: &str| removed::function(&format!("{function}.{option}"));
     match gone(function).or_else(|| gone("minimize")) {
-        Some(hint) => refuse(format!("unknown option `{option}` ({hint})")),
+        Some(hint) => refuse!("unknown option `{option}` ({hint})"),
         None => unknown("option", option, known),
     }
 }
@@ -209,11 +204,11 @@ pub(super) fn unknown_option<'k>(
 pub(super) fn count(value: &Dynamic, option: &str, max: INT) -> HostResult<usize> {
     let count = whole(value, option)?;
     let fits = usize::try_from(count).ok().filter(|_| (1..=max).contains(&count));
-    fits.ok_or_else(|| refuse(format!("`{option}` is {count}, which must be 1 to {max}")))
+    fits.ok_or_else(|| refuse!("`{option}` is {count}, which must be 1 to {max}"))
 }
 
 fn whole(value: &Dynamic, option: &str) -> HostResult<INT> {
-    value.as_int().map_err(|found| refuse(format!("`{option}` is a whole number, not {found}")))
+    value.as_int().map_err(|found| refuse!("`{option}` is a whole number, not {found}"))
 }
 
 fn numbers(list: &Array, what: &str) -> HostResult<Vec<f64>> {
@@ -228,7 +223,7 @@ fn side(list: &Array, none: f64, what: &str) -> HostResult<Vec<f64>> {
 fn points(list: &Array) -> HostResult<Vec<Vec<f64>>> {
     let point = |item: &Dynamic| match item.read_lock::<Array>() {
         Some(point) => numbers(&point, "starts"),
-        None => Err(refuse(format!("`starts` is a number or a list of lists, with {} in it", item.type_name()))),
+        None => Err(refuse!("`starts` is a number or a list of lists, with {} in it", item.type_name())),
     };
     list.iter().map(point).collect()
 }

@@ -151,7 +151,7 @@ impl SearchHost {
     ) -> HostResult<Vec<T>> {
         let session = Session::from_context(context);
         if session.is_trial() {
-            return Err(refuse(format!("an objective cannot search: `{}` is called within one", context.fn_name())));
+            return Err(refuse!("an objective cannot search: `{}` is called within one", context.fn_name()));
         }
         let objective = |ScriptSearch { on_rupture, call, .. }: &ScriptSearch| {
             ScriptObjective::new(context, session.clone(), *on_rupture, call)
@@ -180,7 +180,7 @@ impl SearchHost {
         job: impl Fn(&Evaluator<'_>, usize) -> Result<T, SearchError> + Sync,
     ) -> HostResult<Result<Vec<T>, (usize, SearchError)>> {
         for (number, HostSearch { search, .. }) in searches.iter().enumerate() {
-            let refused = |error| refuse(format!("{}{error}", prefix(number, searches.len())));
+            let refused = |error| refuse!("{}{error}", prefix(number, searches.len()));
             search.check().map_err(refused)?;
         }
         let begun = self.searches.fetch_add(searches.len(), Ordering::Relaxed);

@@ -176,6 +176,6 @@ fn value(returned: &Dynamic) -> HostResult<ObjectiveValue> {
         let values = list.iter().map(|item| number(item, "a residual")).collect::<HostResult<Vec<f64>>>();
         return values.map(ObjectiveValue::Residuals);
     }
-    let other = || refuse(format!("an objective gives a number, a signal or a list, not {}", returned.type_name()));
+    let other = || refuse!("an objective gives a number, a signal or a list, not {}", returned.type_name());
     number(returned, "the objective").map(ObjectiveValue::Scalar).map_err(|_| other())
 }
