@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::field::FieldFigures;
+use crate::field_comparison::FieldComparison;
 use base::number::clean_time;
 use membrane::engine::{AddedMass, Relaxation};
 use membrane::lane::Width;
@@ -158,20 +159,14 @@ pub struct Histogram {
 }
 
 impl Audit {
-    /// Adds the errors against a displacement field.
-    pub(super) fn add_field(&mut self, field: FieldFigures, relative: Option<f64>) {
-        self.field_rms_m = field.rms_m;
-        self.field_error = relative;
-        self.field = Some(field);
-    }
-
-    /// The figures of a finished or failed run.
-    pub fn from_outcome(outcome: &Outcome) -> Audit {
+    /// The figures of a finished or failed run, and of its comparison with a displacement field.
+    pub(super) fn from_outcome(outcome: &Outcome, field: Option<&FieldComparison>) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
         let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
         let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
         let sums = |[mass, own]: [f64; 2], added: &AddedMass| [mass + added.mass, own + added.own];
         let added = (!outcome.added_mass.is_empty()).then(|| outcome.added_mass.iter().fold([0.0; 2], sums));
+        let figures = field.map(FieldFigures::from_comparison);
         Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
@@ -180,9 +175,9 @@ impl Audit {
             torn_area_m2: outcome.torn.map(|torn| torn.area),
             fracture_energy_j: outcome.torn.map(|torn| torn.energy),
             warming_k: outcome.warming,
-            field_rms_m: None,
-            field_error: None,
-            field: None,
+            field_rms_m: figures.as_ref().and_then(|figures| figures.rms_m),
+            field_error: field.and_then(|field| field.norms().relative()),
+            field: figures,
             elements: outcome.elements,
             bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
             steps: outcome.steps,

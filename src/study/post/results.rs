@@ -6,7 +6,7 @@ use rhai::Engine;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
-use super::field::{FieldFigures, compare, warnings};
+use super::field::{compare, warnings};
 use super::impact::object;
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, ReferenceError, Run, RunFindings, Stretch, run};
 use crate::field_comparison::FieldComparison;
@@ -95,10 +95,7 @@ impl Results {
         let field = compare(model, outcome, comparison.as_ref());
         warnings(field.as_ref()).iter().for_each(|warning| findings.push(warning));
         let field = field.and_then(Result::ok).map(Arc::new);
-        let mut audit = Audit::from_outcome(outcome);
-        if let Some(field) = &field {
-            audit.add_field(FieldFigures::from_comparison(field), field.norms().relative());
-        }
+        let audit = Audit::from_outcome(outcome, field.as_deref());
         let script_output = ScriptOutput::default();
         Ok(Results { signals, measures, audit, findings, comparison, field, script_output })
     }
