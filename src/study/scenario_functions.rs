@@ -59,9 +59,22 @@ pub struct Scenarios {
 }
 
 impl Scenarios {
-    /// The scenario at `path`, relative to the working directory.
+    /// The scenario at `path`, relative to the working directory, with the changes; checked.
+    ///
+    /// The session records the files that this reads.
     fn read(&self, path: &Path, session: &Session) -> HostResult<Study> {
-        Study::read(path, &self.changes, self.evaluations.clone(), session)
+        let document = Document::read(path).map_err(|mut found| {
+            let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
+            if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
+                let hint = format!(
+                    "paths of scripts are seen from the working directory, {}, those of studies from their file",
+                    folder.display()
+                );
+                mistake.hint.get_or_insert(hint);
+            }
+            mistakes(found)
+        })?;
+        Study::check(document.with(&self.changes), None, self.evaluations.clone(), session)
     }
 
     /// The scenario in a file that a script names, or one that it has read.
@@ -78,30 +91,10 @@ impl Scenarios {
 /// The outcome of a run, or why there is none.
 type Found = Result<Outcome, NoOutcome>;
 
-impl Study {
-    /// Reads the scenario at `path`, relative to the working directory, applies `changes` and checks it.
-    ///
-    /// The session records the files that this reads.
-    fn read(
-        path: &Path,
-        changes: &[Assignment],
-        evaluations: Option<Arc<Evaluations>>,
-        session: &Session,
-    ) -> HostResult<Study> {
-        let document = Document::read(path).map_err(|mut found| {
-            let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
-            if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
-                let hint = format!(
-                    "paths of scripts are seen from the working directory, {}, those of studies from their file",
-                    folder.display()
-                );
-                mistake.hint.get_or_insert(hint);
-            }
-            mistakes(found)
-        })?;
-        Study::check(document.with(changes), None, evaluations, session)
-    }
+/// What makes figures of an outcome.
+type Measure = fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>;
 
+impl Study {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.0.model.name
@@ -194,25 +187,26 @@ impl Study {
         Study(Arc::new(Parts { document, model, plan, evaluations, _claim }))
     }
 
+    /// The run.
     pub(crate) fn simulate(&self, session: &Session) -> HostResult<Run> {
-        if let Some(evaluations) = &self.0.evaluations {
-            evaluations.tell(RunEvent::Wanted(1));
-        }
-        self.simulate_or_wait(session)
-    }
-
-    /// The run, which was asked for, also where another process computes it.
-    fn simulate_or_wait(&self, session: &Session) -> HostResult<Run> {
-        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::measure)?;
-        run.ok_or_else(|| refuse("the run was cancelled"))
+        self.ask_for(1);
+        self.simulate_or_wait(session, Plan::measure)
     }
 
     /// The run with the figures of its post script.
     pub(crate) fn simulate_with_post(&self, session: &Session) -> HostResult<Run> {
-        if let Some(evaluations) = &self.0.evaluations {
-            evaluations.tell(RunEvent::Wanted(1));
-        }
-        let run = self.simulate_with(session, Evaluations::outcome_of, Plan::evaluate)?;
+        self.ask_for(1);
+        self.simulate_or_wait(session, Plan::evaluate)
+    }
+
+    /// Tells who observes runs that so many more are asked for.
+    fn ask_for(&self, runs: usize) {
+        self.0.evaluations.iter().for_each(|evaluations| evaluations.tell(RunEvent::Wanted(runs)));
+    }
+
+    /// The run, which was asked for, also where another process computes it.
+    fn simulate_or_wait(&self, session: &Session, measure: Measure) -> HostResult<Run> {
+        let run = self.simulate_with(session, Evaluations::outcome_of, measure)?;
         run.ok_or_else(|| refuse("the run was cancelled"))
     }
 
@@ -225,7 +219,7 @@ impl Study {
         &self,
         session: &Session,
         outcome: impl Fn(&Evaluations, &Model, &Cancellation) -> Result<F, EvaluationError>,
-        measure: impl Fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>,
+        measure: Measure,
     ) -> HostResult<Option<Run>> {
         let Parts { model, plan, evaluations, .. } = &*self.0;
         let cut = session.is_trial().then(|| evaluate::cut(model, plan.comparison()));
@@ -402,15 +396,15 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
         study.ok_or_else(|| refuse!("expected a list of scenarios, found {found} in it"))
     };
     let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
-    let share = studies.iter().find_map(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
-    if let Some(evaluations) = studies.iter().find_map(|study| study.0.evaluations.as_ref()) {
-        evaluations.tell(RunEvent::Wanted(studies.len()));
-    }
+    // All have the evaluations of the script.
+    let keeping = studies.iter().find(|study| study.0.evaluations.is_some());
+    keeping.into_iter().for_each(|study| study.ask_for(studies.len()));
+    let share = keeping.and_then(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
     let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
     // What other processes compute comes last.
     let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
         Some(run) => Ok(run),
-        None => study.simulate_or_wait(&session),
+        None => study.simulate_or_wait(&session, Plan::measure),
     });
     runs.map(|run| run.map(Dynamic::from)).collect()
 }

@@ -1,5 +1,6 @@
 //! `calibrate` in scripts, and what its result offers.
 
+use std::borrow::Borrow;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
@@ -174,6 +175,12 @@ impl Calibration {
         fit.findings.iter().chain(&misfits).try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
     }
 
+    /// Reports findings.
+    fn tell(&self, warnings: impl IntoIterator<Item = impl Borrow<Warning>>) -> HostResult<()> {
+        let mut findings = warnings.into_iter().map(|warning| Finding::new(warning.borrow()));
+        findings.try_for_each(|finding| self.0.collector.report(finding)).map_err(refuse)
+    }
+
     fn parameters(&self) -> Vec<Row> {
         let Parts { plan, fit, .. } = &*self.0;
         rows::parameters(plan, &fit.values, &fit.known, LINEAR)
@@ -207,21 +214,15 @@ impl Calibration {
         let from = Beginning::new(plan, fit, &scattered)?;
         let options = posterior_options(&from.plan, &options, &scattered)?;
         let found = Posterior::sample(&from, &options, host, session)?;
-        for warning in &found.warnings {
-            collector.report(Finding::new(warning)).map_err(refuse)?;
-        }
+        self.tell(&found.warnings)?;
         let median = found.median();
         let known =
             verdict::of_covariance(&from.plan, &median, &found.covariance(), &from.jacobian, &found.at_bounds());
         // What the linear model has said of a parameter already is not said again.
         let told: Vec<Warning> = fit::doubts(plan, &fit.known, LINEAR).collect();
         let doubts = fit::doubts(&from.plan, &known, "posterior");
-        for warning in doubts.filter(|own| !told.iter().any(|other| own.is_of_the_same(other))) {
-            collector.report(Finding::new(&warning)).map_err(refuse)?;
-        }
-        for warning in elsewhere(plan, fit, &found) {
-            collector.report(Finding::new(&warning)).map_err(refuse)?;
-        }
+        self.tell(doubts.filter(|own| !told.iter().any(|other| own.is_of_the_same(other))))?;
+        self.tell(elsewhere(plan, fit, &found))?;
         let rows = rows::posterior(&found, &known);
         collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
         collector.table(&plan.table("posterior_tests"), rows::surrogates(&found)).map_err(refuse)?;
@@ -265,9 +266,7 @@ impl Calibration {
                 collector.table(&plan.table(&format!("predicted_{name}")), rows).map_err(refuse)?;
             }
         }
-        let last = derived.predictions.last();
-        let mut warnings = last.into_iter().flat_map(|own| &own.warnings);
-        warnings.try_for_each(|warning| collector.report(Finding::new(warning))).map_err(refuse)
+        self.tell(derived.predictions.last().into_iter().flat_map(|own| &own.warnings))
     }
 
     /// A scenario to predict, or `#{ scenario, name, set }`.
@@ -290,9 +289,7 @@ impl Calibration {
     pub(super) fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
         let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
         let candidates::Compared { rows, advice } = candidates::compared(given, plan, fit, scenarios, session)?;
-        if let Some(advice) = advice {
-            collector.report(Finding::new(&advice)).map_err(refuse)?;
-        }
+        self.tell(advice)?;
         let mut derived = self.derived();
         derived.candidates.extend(rows.clone());
         collector.table(&plan.table("candidates"), derived.candidates.clone()).map_err(refuse)?;
@@ -304,12 +301,10 @@ impl Calibration {
         let Parts { plan, fit, host, collector, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         if groups.is_empty() {
-            collector.report(Finding::new(&Warning::NothingToLeaveOut)).map_err(refuse)?;
+            self.tell([Warning::NothingToLeaveOut])?;
         }
         let found = left_out::searched(&groups, plan, fit, host, session)?;
-        for warning in found.iter().flat_map(|left| left.doubts(plan)) {
-            collector.report(Finding::new(&warning)).map_err(refuse)?;
-        }
+        self.tell(found.iter().flat_map(|left| left.doubts(plan)))?;
         let rows = left_out::rows(&found, plan, fit);
         let mut derived = self.derived();
         derived.left_out.extend(rows.clone());
@@ -328,9 +323,7 @@ impl Calibration {
         for plot in found.plots {
             collector.plot(plot).map_err(refuse)?;
         }
-        for warning in &found.warnings {
-            collector.report(Finding::new(warning)).map_err(refuse)?;
-        }
+        self.tell(&found.warnings)?;
         Ok(listed(&found.rows))
     }
 
