@@ -6,10 +6,10 @@
 >>> run.signals.plot(x="time_s", y="displacement_m")
 """
 
-from .commands import check, compare, export_card, run, script, sweep, test
+from .commands import calibrate, check, compare, export_card, reduce, run, script, sweep, test
 from .errors import BadInput, Diagnostic, DroptowerError, Failed, NumericalFailure, ProgramNotFound
 from .program import program, version
-from .results import Comparison, Run, Study, Sweep
+from .results import Comparison, Reduction, Run, Study, Sweep
 from .states import States
 
 __all__ = [
@@ -20,14 +20,17 @@ __all__ = [
     "Failed",
     "NumericalFailure",
     "ProgramNotFound",
+    "Reduction",
     "Run",
     "States",
     "Study",
     "Sweep",
+    "calibrate",
     "check",
     "compare",
     "export_card",
     "program",
+    "reduce",
     "run",
     "script",
     "sweep",

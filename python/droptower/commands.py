@@ -12,7 +12,7 @@ import tomli_w
 
 from .errors import Failed
 from .program import call
-from .results import Comparison, Run, Study, Sweep
+from .results import Comparison, Reduction, Run, Study, Sweep
 
 PathLike = str | os.PathLike[str]
 
@@ -75,7 +75,7 @@ def sweep(
     if merge:
         arguments.append("--merge")
     summary = json.loads(call([*arguments, "--json"], quiet=quiet))
-    return Sweep(Path(out) if out is not None else Path("runs") / f"{summary['scenario']}.sweep")
+    return Sweep(_place(out, f"{summary['scenario']}.sweep"))
 
 
 def script(
@@ -97,7 +97,44 @@ def script(
     for name, value in (args or {}).items():
         arguments += ["--arg", f"{name}={_argument(value)}"]
     summary = json.loads(call([*arguments, "--json"], quiet=quiet))
-    return Study(Path(out) if out is not None else Path("runs") / summary["script"])
+    return Study(_place(out, summary["script"]))
+
+
+def calibrate(
+    study: PathLike,
+    set: Mapping[str, Any] | None = None,
+    *,
+    unset: Iterable[str] = (),
+    out: PathLike | None = None,
+    store: PathLike | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    quiet: bool = True,
+) -> Study:
+    """Fits the parameters of a study (a TOML file) to its tests; `set` and `unset` change keys of its scenarios."""
+    arguments = ["calibrate", _path(study), *_changes(set, unset), *_options(out, force, threads)]
+    if store is not None:
+        arguments += ["--store", _path(store)]
+    summary = json.loads(call([*arguments, "--json"], quiet=quiet))
+    return Study(_place(out, summary["script"]))
+
+
+def reduce(kind: str, *recordings: PathLike, quiet: bool = True, **options: Any) -> Reduction:
+    """Reduces recordings of a `kind` of test: "drop", "coupon", "bulge" or "wide".
+
+    Options have the names of the command's, with `_` for `-`: reduce("drop", "a.csv", mass="10.72 kg", height="1 m",
+    out="a-drop.csv"). True is an option without a value, a tuple one with several, a list one that is repeated.
+    """
+    arguments = ["reduce", kind, *map(_path, recordings)]
+    for name, value in options.items():
+        option = f"--{name.replace('_', '-')}"
+        for one in value if isinstance(value, list) else [value]:
+            if one is None or one is False:
+                continue
+            values = () if one is True else one if isinstance(one, tuple) else (one,)
+            arguments += [option, *(str(_plain(own)) for own in values)]
+    out = options.get("out")
+    return Reduction(json.loads(call([*arguments, "--json"], quiet=quiet)), None if out is None else Path(out))
 
 
 def compare(

@@ -20,7 +20,67 @@ if TYPE_CHECKING:
 PathLike = str | os.PathLike[str]
 
 
-class Results:
+class Figures:
+    """Figures by name, which are attributes too: `figures.peak_acceleration_m_s2`."""
+
+    summary: dict[str, Any]
+    """All figures in SI units, the unit at the end of the name."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name in ("path", "summary"):
+            raise AttributeError(name)
+        try:
+            return self.summary[name]
+        except KeyError:
+            raise AttributeError(f"{self!r} has no figure {name}") from None
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *(name for name in self.summary if name.isidentifier())})
+
+    @cached_property
+    def findings(self) -> pandas.DataFrame:
+        """Warnings and notes: code, severity, message and figures."""
+        return pandas.DataFrame(self.summary.get("findings", []))
+
+
+class Reduction(Figures):
+    """What recordings give."""
+
+    def __init__(self, summary: dict[str, Any], out: Path | None) -> None:
+        self.summary = summary
+        """Everything that the command prints with `--json`."""
+        self.path = out
+        """The file of the option `out`: signals of a drop, a material of coupons."""
+
+    def __repr__(self) -> str:
+        return f"Reduction({', '.join(self.summary)})"
+
+    @cached_property
+    def table(self) -> pandas.DataFrame:
+        """A row for each drop, direction of coupons, bulge or wide coupon; `table.to_xarray()` is a Dataset.
+
+        Fields of fields, and both ends of an interval, are columns: `young_modulus_Pa.mean`,
+        `energy_absorption_interval.low`.
+        """
+        lists = (self.summary.get(name) for name in ("directions", "tests", "recordings"))
+        rows: list[dict[str, Any]] = next((rows for rows in lists if isinstance(rows, list)), [self.summary])
+        return pandas.json_normalize([{name: _ends(name, value) for name, value in row.items()} for row in rows])
+
+    @cached_property
+    def signals(self) -> pandas.DataFrame:
+        """The signals of a drop from contact on, which `out` names."""
+        if self.path is None or self.path.suffix != ".csv":
+            raise FileNotFoundError('no signals were written: reduce a drop with out="drop.csv"')
+        return pandas.read_csv(self.path, comment="#")
+
+
+def _ends(name: str, value: Any) -> Any:
+    """Both ends of an interval by name; other values as they are."""
+    is_interval = "_interval" in name and isinstance(value, list) and len(value) == 2
+    return dict(zip(("low", "high"), value, strict=True)) if is_interval else value
+
+
+class Results(Figures):
     """A folder of results. Figures of `summary.json` are attributes: `results.peak_acceleration_m_s2`."""
 
     def __init__(self, path: PathLike) -> None:
@@ -30,21 +90,10 @@ class Results:
             raise FileNotFoundError(f"{self.path} holds no results of droptower: summary.json is missing")
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, Any]:  # type: ignore[override]
         """Everything in `summary.json`; figures in SI units, the unit at the end of the name."""
         summary: dict[str, Any] = json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
         return summary
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name in ("path", "summary"):
-            raise AttributeError(name)
-        try:
-            return self.summary[name]
-        except KeyError:
-            raise AttributeError(f"{self.path} has no figure {name}") from None
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *(name for name in self.summary if name.isidentifier())})
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({str(self.path)!r})"
@@ -53,11 +102,6 @@ class Results:
     def report(self) -> Path:
         """The page, which any browser opens."""
         return self.path / "report.html"
-
-    @cached_property
-    def findings(self) -> pandas.DataFrame:
-        """Warnings and notes: code, severity, message and figures."""
-        return pandas.DataFrame(self.summary.get("findings", []))
 
     @property
     def tables(self) -> dict[str, pandas.DataFrame]:
@@ -152,7 +196,7 @@ class Sweep(Results):
 
 
 class Study(Results):
-    """The results of a script."""
+    """The results of a script, or of a calibration: `tables["parameters"]` has the estimates with their intervals."""
 
 
 class Comparison(Results):

@@ -106,6 +106,50 @@ def test_a_script_has_tables(scene: Path) -> None:
     assert list(study.tables["t"]["b"]) == [2.5, 7]
 
 
+DATA = Path(__file__).resolve().parents[2] / "data/virtual"
+
+
+def test_recordings_are_reduced(scene: Path) -> None:
+    tower = {"mass": "10.72 kg", "height": "1 m"}
+    drop = droptower.reduce("drop", DATA / "1008.csv", **tower, out="drop.csv", mask=["10 ms..11 ms", "20 ms..21 ms"])
+    assert drop.signals["displacement_m"].min() == pytest.approx(drop.peak_displacement_m)
+    [low, high] = drop.energy_absorption_interval
+    [row] = drop.table.to_dict("records")
+    assert low == row["energy_absorption_interval.low"] < row["energy_absorption"] < high
+    assert "virtual-recording" in set(drop.findings["code"])
+    drops = droptower.reduce("drop", *sorted(DATA.glob("10*.csv")), **tower)
+    assert list(drops.table["impact_velocity_m_s"]) == pytest.approx([4.16, 4.14, 4.18], rel=2e-3)
+    with pytest.raises(FileNotFoundError, match=r"drop\.csv"):
+        _ = drops.signals
+    coupons = droptower.reduce(
+        "coupon",
+        *DATA.glob("coupons/*d-0.2-*.csv"),
+        gauge="5 mm",
+        width="10 mm",
+        thickness="12 um",
+        window=(0.01, 0.03),
+    )
+    elongations = coupons.table.set_index("direction")["break_elongation.mean"]
+    assert (elongations["MD"], elongations["TD"]) == pytest.approx((1.39, 7.01), rel=1e-3)
+    with pytest.raises(droptower.BadInput):
+        droptower.reduce("drop", DATA / "1008.csv", mass="10.72 mm")
+
+
+def test_a_study_is_calibrated(scene: Path) -> None:
+    strip = Path(__file__).resolve().parents[2] / "scenarios/stretch/single-element.toml"
+    Path("strip.toml").write_text(f"extends = {str(strip)!r}\nloading.stretch.until = 0.2\n", encoding="utf-8")
+    scale = "specimen.material.fabric.scale.ke"
+    droptower.run("strip.toml", set={scale: 1.3}, out="pulled")
+    Path("study.toml").write_text(
+        'precision = 0.05\n[[test]]\nscenario = "strip.toml"\ncompare = "force"\nrecordings = "pulled/signals.csv"\n'
+        f'noise = 0.01\n[parameters]\nke = {{ key = "{scale}", start = 1, within = [0.2, 5], log = true }}\n',
+        encoding="utf-8",
+    )
+    study = droptower.calibrate("study.toml")
+    [ke] = study.tables["parameters"].to_dict("records")
+    assert study.path == Path("runs/study") and ke["value"] == pytest.approx(1.3, abs=0.01)
+
+
 def test_runs_are_compared_and_tested(scene: Path) -> None:
     runs = [droptower.run(scene, {"impactor.mass": mass}, out=name) for name, mass in (("a", "10 kg"), ("b", "12 kg"))]
     Path("bounds.toml").write_text("[signals.displacement_m]\nrelative = 1e-6\n", encoding="utf-8")
