@@ -321,7 +321,7 @@ pub(super) fn finish(
     ];
     let warnings = [of_rate, disagreement.clone()].into_iter().chain(warnings).flatten().chain(doubts).collect();
     Ok(Drop {
-        release: recorded.release,
+        release: best[of::RELEASE],
         contact,
         acceleration,
         ideal_speed,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::release::{GravityRamp, Release};
+use super::release::GravityRamp;
 use crate::experiment::Warning;
 use crate::signal::{Recording, Series, column, integrate};
 use base::number::clean_time;
@@ -81,8 +81,9 @@ pub struct Intervals {
 /// A reduced drop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drop {
-    /// Rest and release.
-    pub release: Release,
+    /// Begin of the release on the recording's clock, s: of the motion that was fitted, since means of the reading blur a fast
+    /// release by milliseconds.
+    pub release: f64,
     /// First contact.
     pub contact: Contact,
     /// The corrected acceleration from the end of the rest on, m/s²; the recording's clock.
@@ -161,7 +162,7 @@ impl Drop {
 /// the end of its range are none. Intervals are of 95 %; an end without a limit is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
-    /// When the reading begins to fall, on the recording's clock.
+    /// Begin of the release, on the recording's clock.
     pub release_time_s: f64,
     /// On the recording's clock.
     pub contact_time_s: f64,
@@ -254,7 +255,7 @@ impl Drop {
         let intervals = self.intervals.as_ref();
         let finite = |value: f64| value.is_finite().then_some(value);
         Figures {
-            release_time_s: self.release.flank[0],
+            release_time_s: self.release,
             contact_time_s: self.contact.time,
             contact_time_interval_s: intervals.map(|intervals| intervals.contact_time),
             impact_velocity_m_s: -self.contact.velocity,
@@ -296,7 +297,7 @@ impl Drop {
 /// Times of a drop on the recording's clock, s, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landmarks {
-    /// When the reading begins to fall.
+    /// Begin of the release; of a recording that is not reduced, where means over 5 ms of the reading begin to fall.
     pub release: Option<f64>,
     /// First contact.
     pub contact: Option<f64>,
@@ -313,7 +314,7 @@ impl Landmarks {
     pub fn of_drop(drop: &Drop) -> Landmarks {
         let clock = |[time, _]: [f64; 2]| drop.contact.time + time;
         Landmarks {
-            release: Some(drop.release.flank[0]),
+            release: Some(drop.release),
             contact: Some(drop.contact.time),
             impact: None,
             lowest_point: drop.lowest_point().map(clock),

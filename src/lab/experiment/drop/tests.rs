@@ -3,7 +3,7 @@
 use super::*;
 use crate::experiment::Warning;
 use crate::experiment::absorption::{AbsorptionError, Body, energy_absorption};
-use crate::experiment::fall::Fall;
+use crate::experiment::fall::{Fall, Motion};
 use crate::experiment::sensor::{Accelerometer, Laser, Sensors, virtual_drop};
 use crate::signal::{Recording, Series, integrate};
 use base::finding::Report;
@@ -410,6 +410,22 @@ fn landmarks_are_those_of_the_true_motion() {
     assert!((velocity.value_at(found.rebound.unwrap()).unwrap() - rebound).abs() < 1e-2, "{rebound}");
     let fallen = displacement.value_at(found.release.unwrap()).unwrap();
     assert!((fallen / 1.5 - 1.0).abs() < 0.02, "it was released 1.5 m above the film: {fallen}");
+}
+
+/// Means over 5 ms of the reading fall 2 ms before a release of 1 ms begins, and late in a slow one.
+#[test]
+fn the_release_is_that_of_the_true_motion() {
+    let [acceleration, displacement] = impact();
+    for (release_duration, laser) in
+        [(0.032, None), (0.032, Sensors::default().laser), (1e-3, None), (1e-3, Sensors::default().laser)]
+    {
+        let fall = Fall { height: 1.5, speed: SPEED, gravity: GRAVITY, release_duration, speed_share: 0.0 };
+        let sensors = Sensors { laser, ..Sensors::default() };
+        let drop = virtual_drop(&acceleration, &displacement, &fall, &sensors, 1).unwrap();
+        let released = drop.contact_time - Motion::new(&fall, &acceleration, &displacement).unwrap().fall_time();
+        let found = reduced(&drop.recording, &Reduction::default()).unwrap().release;
+        assert!((found - released).abs() < 2e-4, "released in {release_duration} s at {released}, found {found}");
+    }
 }
 
 #[test]
