@@ -163,7 +163,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
             "scenario",
             compare_page::keys(comparison).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),
         ),
-        part("figure", figures),
+        part("figure", compare_page::film(comparison).into_iter().chain(figures).collect()),
         part("signal, RMS of the difference over that of the first", compare_page::errors(comparison)),
         terminal::findings("  ", &comparison.findings),
     ]

@@ -33,7 +33,9 @@ pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> 
         std::iter::once(Cell::text(first)).chain(names).collect::<Vec<_>>()
     };
     let (over_time, against) = plots(comparison);
-    let key_figures = html::sorted_table(&head("figure"), &shown_figures(comparison.key_figures()));
+    let film = film(comparison).map(|row| row.into_iter().map(Cell::text).collect());
+    let rows: Vec<Vec<Cell>> = film.into_iter().chain(shown_figures(comparison.key_figures())).collect();
+    let key_figures = html::sorted_table(&head("figure"), &rows);
     let others = html::sorted_table(&head("figure"), &shown_figures(comparison.other_figures()));
     let parts = [
         bars(comparison),
@@ -63,6 +65,11 @@ fn bounds(outside: &[Outside]) -> String {
 fn runs(comparison: &RunComparison) -> Vec<Vec<String>> {
     let row = |run: &ComparedRun| vec![run.name.clone(), run.title.clone().unwrap_or_default(), shown_path(&run.place)];
     comparison.runs.iter().map(row).collect()
+}
+
+/// Whether the film of each run held, or when it ruptured.
+pub fn film(comparison: &RunComparison) -> Option<Vec<String>> {
+    comparison.film().map(|runs| std::iter::once("film".to_owned()).chain(runs).collect())
 }
 
 /// Name with unit, then a value a run with its difference.

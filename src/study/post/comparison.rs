@@ -10,9 +10,13 @@ use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
 use crate::store::StoredRun;
 use base::finding::Finding;
+use base::number::duration;
 use lab::signal::norm::relative_error;
 use lab::signal::{Annotations, Series, column};
 use scene::scenario;
+
+/// Whether and when film ruptured, which is one row of a comparison.
+const FILM: [&str; 2] = ["ruptured", "rupture_time_s"];
 
 /// Several runs, compared with the first of them.
 #[derive(Clone, Debug)]
@@ -95,9 +99,23 @@ impl RunComparison {
         self.runs.iter().map(|run| run.name.as_str()).collect::<Vec<_>>().join(" | ")
     }
 
-    /// The figures that differ, and the key figures.
+    /// The figures that differ, and the key figures, but for those of [`RunComparison::film`].
     pub fn key_figures(&self) -> impl Iterator<Item = &ComparedFigure> {
-        self.figures.iter().filter(|figure| figure.is_key())
+        self.figures.iter().filter(|figure| figure.is_key() && !FILM.contains(&figure.name.as_str()))
+    }
+
+    /// Of each run whether its film held, or when it ruptured; none where no run says so.
+    pub fn film(&self) -> Option<Vec<String>> {
+        let [ruptured, times] = FILM.map(|name| self.figures.iter().find(|figure| figure.name == name));
+        let time = |run: usize| times?.values[run].as_ref()?.as_f64();
+        let of_run =
+            |(run, ruptured): (usize, &Option<Value>)| match (ruptured.as_ref().and_then(Value::as_bool), time(run)) {
+                (Some(true), Some(time)) => format!("ruptured at {}", duration(time)),
+                (Some(true), None) => "ruptured".into(),
+                (Some(false), _) => "held".into(),
+                (None, _) => "-".into(),
+            };
+        Some(ruptured?.values.iter().enumerate().map(of_run).collect())
     }
 
     /// All other figures.
@@ -290,7 +308,7 @@ mod tests {
     #[test]
     fn runs_are_compared_with_the_first() {
         let first = json!({ "title": "a", "peak_force_N": 200.0, "ruptured": false, "wall_s": 1.0, "warnings": ["w"] });
-        let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": false, "wall_s": 2.0, "more": "text" });
+        let second = json!({ "title": "b", "peak_force_N": 150.0, "ruptured": true, "rupture_time_s": 0.0234, "wall_s": 2.0, "more": "text" });
         let comparison = RunComparison::from_runs(
             &[
                 run(
@@ -307,8 +325,9 @@ mod tests {
         let values = |figure: &ComparedFigure| (figure.name.clone(), figure.difference(1));
         let telling: Vec<_> = comparison.key_figures().map(values).collect();
         let named = |name: &str, difference| (name.to_owned(), difference);
-        assert_eq!(telling, [named("peak_force_N", Some(-0.25)), named("ruptured", None), named("more", None)]);
-        assert_eq!(comparison.figures.len(), 4, "{:?}", comparison.figures);
+        assert_eq!(telling, [named("peak_force_N", Some(-0.25)), named("more", None)]);
+        assert_eq!(comparison.film().unwrap(), ["held", "ruptured at 23.4 ms", "-"]);
+        assert_eq!(comparison.figures.len(), 5, "{:?}", comparison.figures);
         let keys: Vec<_> = comparison.keys.iter().map(|key| (key.path.as_str(), key.values.clone())).collect();
         let value = |text: &str| Some(text.to_owned());
         assert_eq!(
