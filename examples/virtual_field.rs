@@ -35,7 +35,7 @@ const MATCHED: f64 = 1.75;
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("the folder is missing: cargo run --example virtual_field -- FOLDER")?;
     fs::create_dir_all(&folder)?;
-    for (name, content) in files("2.5mm")? {
+    for (name, content) in files("2.5 mm")? {
         fs::write(Path::new(&folder).join(name), content)?;
     }
     Ok(())
@@ -73,8 +73,8 @@ pub fn files(size: &str) -> Result<Vec<(String, String)>, Box<dyn Error>> {
         grid.filter(|[x, y]| x.hypot(*y) <= SEEN).map(|[x, y]| [x, y, motion.reference[0][2]]).collect();
     let mut files = Vec::new();
     for (number, state) in motion.states.iter().enumerate() {
-        let mut text = String::from(
-            "# VIRTUAL field: nothing was measured; made by examples/virtual_field.rs\n\
+        let mut text = format!(
+            "# VIRTUAL field: nothing was measured; made by examples/virtual_field.rs on elements of {size}\n\
              \"Index [1]\",\"X [mm]\",\"Y [mm]\",\"Z [mm]\",\"U [mm]\",\"V [mm]\",\"W [mm]\",\"sigma [pixel]\"\n",
         );
         for (index, point) in points.iter().enumerate() {

@@ -22,7 +22,7 @@ fn read(path: &std::path::Path) -> FieldFile {
 #[test]
 fn the_shipped_field_is_that_of_the_example() {
     let folder = tempfile::tempdir().expect("a folder");
-    let files = virtual_field::files("2.5mm").expect("a run");
+    let files = virtual_field::files("2.5 mm").expect("a run");
     assert_eq!(files.len(), fs::read_dir(data("virtual_field")).expect("a folder").count());
     for (name, content) in files {
         fs::write(folder.path().join(&name), content).expect("writable");
