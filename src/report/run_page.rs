@@ -8,9 +8,11 @@ use crate::script_output::{self, Fold};
 use crate::{drawn, error_maps, figure, film};
 use base::diagnostic::shown_path;
 use base::number::{duration, significant};
+use base::written::digits;
 use lab::experiment::drop::Figures;
 use lab::signal::column::Column;
 use lab::signal::{Channel, Recording, Series};
+use membrane::material::{self, Law, RateCurves};
 use plot::{Curve, Plot, TIME, thinned};
 use scene::model::{Model, Window};
 use scene::scenario::{Assumption, assumptions};
@@ -50,6 +52,7 @@ pub fn run_page(run: &RunPage) -> String {
         html::section("Field", &error_maps::section(run)),
         html::section("Signals", &drawn::figures(&thinned(signals(results), MOST_POINTS[0]))),
         script_output::sections(&results.script_output, MOST_POINTS[2], Fold::Long),
+        html::section("Material", &drawn::medium(&materials(model))),
         html::section("Figures", &figures(&summary)),
         html::section("Assumed", &html::list(&assumed(run.scenario))),
         html::section("Audit", &audit(run)),
@@ -80,6 +83,39 @@ fn subject(run: &RunPage) -> String {
 fn findings(run: &RunPage) -> String {
     let failure = run.failure.map(|cause| format!("The run failed: {cause}"));
     html::findings(failure.into_iter().collect(), run.results.findings.iter())
+}
+
+/// Nominal stress over strain of MD and TD up to the break as the run computes them, with their multipliers: a plot for each
+/// different film with such curves.
+fn materials(model: &Model) -> Vec<Plot> {
+    let mut plots: Vec<Plot> = Vec::new();
+    for (face, number) in model.faces.iter().zip(1..) {
+        let curves = fibre_curves(&face.material.law);
+        if !curves.is_empty() && plots.iter().all(|plot| plot.curves != curves) {
+            let film = face.film.clone().unwrap_or_else(|| format!("face {number}"));
+            plots.push(Plot::new(format!("{film} as computed"), ["strain (%)", "nominal stress (MPa)"], curves));
+        }
+    }
+    plots
+}
+
+/// The curves of MD and TD by the names of their keys; none of film without them.
+fn fibre_curves(law: &Law) -> Vec<Curve> {
+    let line = |name: String, curve: &material::Curve| {
+        let points = std::iter::once(&[0.0, 0.0]).chain(curve.points());
+        Curve::line(name, points.map(|[strain, stress]| [100.0 * strain, 1e-6 * stress]))
+    };
+    let by_rate = |side: &str, curves: &RateCurves| match curves.single() {
+        Some(curve) => vec![line(format!("{side}.curve"), curve)],
+        None => {
+            curves.curves().iter().map(|(rate, curve)| line(format!("{side}, {} 1/s", digits(*rate)), curve)).collect()
+        }
+    };
+    match law {
+        Law::Fabric(fabric) => vec![line("md.curve".into(), fabric.md()), line("td.curve".into(), fabric.td())],
+        Law::RateFabric(fabric) => [by_rate("md", fabric.md()), by_rate("td", fabric.td())].concat(),
+        _ => vec![],
+    }
 }
 
 /// All figures of the summary, those of the machine after the others.
