@@ -1,6 +1,6 @@
 //! The files of a run folder, and the summary of a run on the terminal.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::{Failure, terminal};
-use base::diagnostic::shown_path;
+use base::diagnostic::{listed, shown_path};
+use base::file;
 use base::number::{self, grouped};
 use base::table;
 use lab::signal::{Recording, csv};
@@ -17,6 +18,7 @@ use report::vtu::{self, VtuError};
 use report::{self, RunPage, StudyPage, SweepPage, compare_page};
 use scene::expectation::{Outside, Verdict};
 use scene::model::Model;
+use scene::scenario::leaves;
 use scene::simulate::Outcome;
 use study::post::{self, Audit, Impact, Measures, Results, RunComparison};
 use study::script::{Row, ScriptOutput};
@@ -53,6 +55,28 @@ pub(crate) fn check(place: &Path, force: bool, origin: &Origin) -> Result<(), Fa
         origin.check(place)?;
     }
     Ok(())
+}
+
+/// Most keys that are named of results that are replaced.
+const MOST_KEYS: usize = 4;
+
+/// Says which keys of the scenario of results at `place`, which are about to be replaced, are others in `scenario`; none where
+/// all are equal.
+pub(crate) fn replaced_scenario(place: &Path, what: &str, scenario: &str) -> Option<String> {
+    let former = file::read_text(&place.join(run_files::SCENARIO), run_files::MOST_BYTES).ok()?;
+    replaced(place, what, [leaves(&former), leaves(scenario)])
+}
+
+/// Says which keys of results at `place`, which are about to be replaced, were others than `now`; none where all are equal.
+pub(crate) fn replaced(place: &Path, what: &str, [former, now]: [BTreeMap<String, String>; 2]) -> Option<String> {
+    let keys: BTreeSet<&String> = former.keys().chain(now.keys()).collect();
+    let differs: Vec<String> = keys.into_iter().filter(|key| former.get(*key) != now.get(*key)).cloned().collect();
+    let named = match differs.len() {
+        0 => return None,
+        count if count > MOST_KEYS => format!("{} and {} more keys", listed(&differs[..MOST_KEYS]), count - MOST_KEYS),
+        _ => listed(&differs),
+    };
+    Some(format!("{} replaces {what} with other {named}; --out keeps both", shown_path(place)))
 }
 
 /// Writes all files of a run into the draft, by as many threads as there are, and gives their names.
@@ -262,7 +286,7 @@ pub(crate) const DIGITS: usize = 3;
 pub(crate) fn summary_of_run(model: &Model, outcome: &Outcome, results: &Results) -> String {
     let mut text = format!("{}  {}\n", model.name, model.subject());
     let answer = results.script_output.answer.clone().unwrap_or_else(|| post::answer(model, results, false));
-    let _ = writeln!(text, "  {answer}");
+    text += &terminal::sentences(&answer);
     text += &cost(&results.audit);
     let _ = writeln!(text, "  {}", post::further(model, results).join(", "));
     if let Measures::Impact(measures) = &results.measures {

@@ -1,6 +1,5 @@
 //! `droptower run`: runs scenarios and writes their run folders.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -14,12 +13,11 @@ use crate::live::{self, Show, Viewer};
 use crate::progress::{Bar, Forecast};
 use crate::scenarios::{Checked, Selection};
 use crate::{Failure, Shared, farm, print_json, print_unless_quiet};
-use base::diagnostic::{Diagnostic, listed, printable, shown_path};
+use base::diagnostic::{Diagnostic, printable};
 use base::file;
 use base::number::duration;
 use membrane::lane::Width;
 use report::RunPage;
-use scene::scenario::leaves;
 use scene::simulate::{
     self, Cancellation, Checkpoint, Checkpoints, Outcome, Progress, RunError, RunOptions, SnapshotEvent,
 };
@@ -220,16 +218,10 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
 
 /// Whether the folder `place` holds the results of the scenario and of the files that it reads as they are now.
 fn is_complete(checked: &Checked, place: &Path) -> bool {
-    let stored = file::read_text(&place.join(run_files::SCENARIO), MOST_BYTES);
+    let stored = file::read_text(&place.join(run_files::SCENARIO), run_files::MOST_BYTES);
     let is_measured = place.join(run_files::SUMMARY).is_file();
     is_measured && stored.is_ok_and(|stored| resolved(checked, place).is_ok_and(|now| now == stored))
 }
-
-/// Most keys that are named of a run that is replaced.
-const MOST_KEYS: usize = 4;
-
-/// Most bytes of a stored scenario.
-const MOST_BYTES: u64 = 1 << 30;
 
 /// The scenario as the folder `place` holds it, with the digest of all that decides its results.
 ///
@@ -308,19 +300,9 @@ impl Job {
 
     /// Says which keys of a run that is about to be replaced were others.
     fn note_replaced(&self, scenario: &str, bar: &Bar) {
-        let former = file::read_text(&self.place.join(run_files::SCENARIO), MOST_BYTES);
-        let Some(former) = former.ok().filter(|_| !self.force) else { return };
-        let [former, now] = [&former, scenario].map(leaves);
-        let keys: BTreeSet<&String> = former.keys().chain(now.keys()).collect();
-        let differs: Vec<String> = keys.into_iter().filter(|key| former.get(*key) != now.get(*key)).cloned().collect();
-        let named = match differs.len() {
-            0 => return,
-            count if count > MOST_KEYS => {
-                format!("{} and {} more keys", listed(&differs[..MOST_KEYS]), count - MOST_KEYS)
-            }
-            _ => listed(&differs),
-        };
-        bar.note(&format!("{} replaces a run with other {named}; --out keeps both", shown_path(&self.place)));
+        if let Some(note) = folder::replaced_scenario(&self.place, "a run", scenario).filter(|_| !self.force) {
+            bar.note(&note);
+        }
     }
 
     /// The run itself, from its checkpoint where it resumes, with its progress shown by `bar`.

@@ -1,6 +1,7 @@
 //! `droptower script` and `calibrate`: a Rhai script over scenarios, or a study in its place.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use crate::live_page::LivePage;
 use crate::shipped::{self, Named};
 use crate::{Failure, Shared, folder, print_figures, shell, terminal};
 use base::diagnostic::{Diagnostic, printable, shown_path};
+use base::file;
 use base::finding::Finding;
 use base::units::with_decimal_point;
 use report::StudyPage;
@@ -121,6 +123,11 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     let (share, deadline) = both(args.farm.share(), args.farm.deadline(begin))?;
     if args.check {
         return check(args, &place, shared);
+    }
+    let given = args.given.values()?;
+    if let Some(note) = replaced(&place, &call(args, &given, &place)?).filter(|_| !args.force && share == Share::WHOLE)
+    {
+        tell(&format!("note: {note}"), shared.quiet);
     }
     let page = LivePage::new(&name, ProgressFolder::new(&place, share), {
         let quiet = shared.quiet;
@@ -396,6 +403,24 @@ fn call(args: &ScriptArgs, given: &rhai::Map, place: &Path) -> Result<Map<String
         (run_files::WORKING_FOLDER, json!(store::path_from(place, Path::new(".")))),
     ];
     Ok(call.map(|(name, value)| (name.into(), value)).into_iter().collect())
+}
+
+/// Says which changes and arguments of results at `place`, which are about to be replaced, were others than those of `call`.
+fn replaced(place: &Path, call: &Map<String, Value>) -> Option<String> {
+    let text = file::read(&place.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
+    let former: Value = serde_json::from_slice(&text).ok()?;
+    folder::replaced(place, "results", [given(former["study"].as_object()?), given(call)])
+}
+
+/// What a call gives beside script and scenario, by key and argument.
+fn given(call: &Map<String, Value>) -> BTreeMap<String, String> {
+    let list = |name: &str| call.get(name).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+    let pair =
+        |change: &str| change.split_once('=').map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()));
+    let args = call.get("args").and_then(Value::as_object).into_iter().flatten();
+    let args = args.map(|(name, value)| (format!("--arg {name}"), value.to_string()));
+    let left_out = list("unset").map(|key| (key.to_owned(), String::new()));
+    list("set").filter_map(pair).chain(left_out).chain(args).collect()
 }
 
 /// A list with a space behind its commas.

@@ -128,6 +128,10 @@ fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failu
     check_changes(args, &sweep)?;
     keep.check(sweep.len())?;
     let place = place(args, &sweep.model().name)?;
+    let replaced = folder::replaced_scenario(&place, "a sweep", &document.resolved());
+    if let Some(note) = replaced.filter(|_| !args.force && share == Share::WHOLE) {
+        tell(["replaces", &place.display().to_string(), &note], shared.json, shared.quiet);
+    }
     let page = page(&sweep.model().name, ProgressFolder::new(&place, share), shared);
     let runs = page.clone();
     let evaluations = Evaluations::new(&args.store).with_share(share);
@@ -139,18 +143,21 @@ fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failu
 /// The page of the sweep; where it is, is a note, or an event for a program.
 fn page(name: &str, folder: ProgressFolder, shared: &Shared) -> LivePage {
     let (events, quiet, path) = (shared.json, shared.quiet, folder.page().display().to_string());
-    LivePage::new(name, folder, move |line| {
-        let line = match events {
-            true => {
-                printable_json(&serde_json::json!({ "event": "page", "path": path, "text": line }).to_string()).into()
-            }
-            false => printable(&format!("note: {line}")).to_string(),
-        };
-        if !quiet {
-            // Whoever follows may have gone.
-            let _ = writeln!(io::stderr(), "{line}");
+    LivePage::new(name, folder, move |line| tell(["page", &path, line], events, quiet))
+}
+
+/// Prints a note about the `path` on standard error, as an event for a program; nothing if `quiet`.
+fn tell([event, path, text]: [&str; 3], events: bool, quiet: bool) {
+    let line = match events {
+        true => {
+            printable_json(&serde_json::json!({ "event": event, "path": path, "text": text }).to_string()).to_string()
         }
-    })
+        false => printable(&format!("note: {text}")).to_string(),
+    };
+    if !quiet {
+        // Whoever follows may have gone.
+        let _ = writeln!(io::stderr(), "{line}");
+    }
 }
 
 /// Refuses to change a key that varies: each run would give it another value.

@@ -485,3 +485,27 @@ fn summary_of_sweep(scene: &TempDir) -> Json {
     fs::write(scene.path().join("drop.toml"), varied).expect("a scenario");
     summary(scene.path(), &[])
 }
+
+/// A run, a sweep and a script that replace their own results say what was given otherwise before, unless it was the same or `--force`
+/// asks for it.
+#[test]
+fn results_of_other_changes_are_not_replaced_without_a_word() {
+    let scene = scene("[variation]\n\"impactor.mass\" = [\"10 kg\", \"11 kg\"]\n");
+    let folder = scene.path();
+    fs::write(folder.join("count.rhai"), "//! --arg n=1  a number\nmeasure(\"n\", args.n);").expect("a script");
+    let friction = ["--set", "impactor.friction=0.2"];
+    let note = |what: &str, keys: &str| format!("note: runs/{what} with other {keys}; --out keeps both\n");
+    for (command, more, expected) in [
+        (["run", "drop.toml"], &friction[..], note("drop replaces a run", "`impactor.friction`")),
+        (["sweep", "drop.toml"], &friction, note("drop.sweep replaces a sweep", "`impactor.friction`")),
+        (["script", "count.rhai"], &["--arg", "n=2"], note("count replaces results", "`--arg n`")),
+    ] {
+        let told = |more: &[&str]| {
+            let output = droptower(folder, &[&command[..], more].concat());
+            printed(&output);
+            error(&output).contains(&expected)
+        };
+        assert_eq!([&[][..], &[], more, more].map(told), [false, false, true, false], "{command:?}");
+        assert!(!told(&["--force"]) && told(more), "{command:?}");
+    }
+}

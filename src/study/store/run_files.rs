@@ -1,7 +1,7 @@
 //! The table of the files of a run folder.
 
 /// Longest text file of a run folder that is read back, bytes.
-pub(super) const MOST_BYTES: u64 = 1 << 30;
+pub const MOST_BYTES: u64 = 1 << 30;
 
 /// All channels over time.
 pub const SIGNALS: &str = "signals.csv";
