@@ -10,7 +10,7 @@ use crate::explain::Explanation;
 use crate::{Failure, Shared, print, print_figures, terminal};
 use base::diagnostic::{Diagnostic, closest, shown_path};
 use base::file;
-use study::script::{About, Declared, Kind, LONGEST_SCRIPT};
+use study::script::{About, Declared, Kind, LONGEST_SCRIPT, figure_sentence};
 
 macro_rules! shipped {
     ($($name:literal),*) => {
@@ -64,8 +64,7 @@ pub(crate) fn about(given: &Path) -> Result<About, Failure> {
 /// What a figure is that a shipped script measures, and which one; none where none does.
 pub(crate) fn figure(figure: &str) -> Option<Explanation> {
     let entry = |(script, text): &(&'static str, &'static str)| {
-        let line = text.lines().find_map(|line| line.strip_prefix("//! figure ")?.strip_prefix(figure))?;
-        let sentence = line.strip_prefix("  ")?.trim();
+        let sentence = figure_sentence(text, figure)?;
         let facts = json!({ "figure": figure, "script": script, "sentence": sentence });
         Some((facts, format!("{figure}\n    {sentence}\n    figure of `droptower script {script}`")))
     };

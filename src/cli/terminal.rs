@@ -48,9 +48,21 @@ const FIRST_ROWS: usize = 10;
 /// Significant digits of a figure of a script.
 const DIGITS: usize = 4;
 
+/// The sentences of an answer, a line each, which ends with a line break.
+pub(crate) fn sentences(answer: &str) -> String {
+    let mut text = String::from("  ");
+    for (place, part) in answer.split(". ").enumerate() {
+        // A point within a sentence is followed by a small letter or a digit.
+        let before = if part.starts_with(char::is_uppercase) { ".\n  " } else { ". " };
+        text += if place == 0 { "" } else { before };
+        text += part;
+    }
+    text + "\n"
+}
+
 /// The answer, figures and tables; every line ends with a line break.
 pub(crate) fn script_output(output: &ScriptOutput) -> String {
-    let answer = output.answer.iter().map(|answer| format!("  {answer}\n"));
+    let answer = output.answer.iter().map(|answer| sentences(answer));
     let figures = output.measures.iter().filter_map(|(name, value)| {
         let of_number = |number: f64| {
             let (words, reading) = Reading::of_name(name, number);
@@ -127,6 +139,14 @@ mod tests {
         let line = "  what this film's data leave open [uncoupled-biaxial, strain-rate-outside, break-strain-of-coupons]: coupling of MD and \
                 TD, strain rates, break strain\n";
         assert!(text.lines().count() == 2 && text.ends_with(line), "{text}");
+    }
+
+    #[test]
+    fn sentences_are_lines() {
+        assert_eq!(
+            sentences("It held, approx. 3 g. It came to 92 %."),
+            "  It held, approx. 3 g.\n  It came to 92 %.\n"
+        );
     }
 
     #[test]

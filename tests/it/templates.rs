@@ -168,10 +168,10 @@ fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     close(figure(&summary, "failure_mass_kg"), mass, 0.08);
     assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
     // Specimens that are alike tell no deviation, and why; what no coupon tells moves the mass all the same.
-    assert!(summary["probit_mass_kg"].is_null() && summary["failure_mass_deviation_kg"].is_null(), "{summary}");
+    assert!(summary["failure_mass_low_kg"].is_null() && summary["failure_mass_deviation_kg"].is_null(), "{summary}");
     let findings = summary["findings"].as_array().expect("findings");
     assert!(findings.iter().any(|finding| finding["code"] == "no-strength-fit"), "{summary}");
-    let [low, high] = ["threshold_low_kg", "threshold_high_kg"].map(|name| figure(&summary, name));
+    let [low, high] = ["threshold_range_low_kg", "threshold_range_high_kg"].map(|name| figure(&summary, name));
     assert!(low < 0.8 * mass && high > 1.3 * mass, "{kind}: {low} and {high} kg about {mass} kg");
     let rows = summary["tables"]["range"].as_array().expect("a range");
     let row = |change: &str| {
@@ -212,10 +212,27 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
     printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=12mm"]].concat()));
     let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
     let summary: Json = serde_json::from_slice(&summary).expect("JSON");
-    close(figure(&summary, "probit_mass_kg"), figure(&summary, "failure_mass_kg"), 0.1);
-    let [low, deviation, classic, high] =
-        ["probit_deviation_low_kg", "probit_deviation_kg", "failure_mass_deviation_kg", "probit_deviation_high_kg"]
-            .map(|name| figure(&summary, name));
-    assert!(low > 0.0 && low < deviation && deviation < high && low < classic && classic < high, "{summary}");
-    assert!(summary["threshold_low_kg"].is_null(), "{summary}");
+    for name in ["failure_mass", "failure_mass_deviation"] {
+        let [low, value, high] = ["_low_kg", "_kg", "_high_kg"].map(|end| figure(&summary, &format!("{name}{end}")));
+        assert!(0.0 < low && low < value && value < high, "{summary}");
+    }
+    assert!(summary["threshold_range_low_kg"].is_null(), "{summary}");
+    let doubted = |answer: &str| answer.contains("20 to 60 % of theirs");
+    assert!(
+        doubted(summary["answer"].as_str().expect("an answer"))
+            && summary["findings"][0]["code"] == "break-strain-of-coupons"
+    );
+    // A break strain that was found is not that of coupons.
+    let moved = [
+        "--set",
+        "specimen.mesh.size=12mm",
+        "--set",
+        "specimen.material.fabric.md.break_factor=0.9",
+        "--arg",
+        "specimens=0",
+    ];
+    printed(&droptower(folder.path(), &[&scattered[..], &moved].concat()));
+    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
+    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    assert!(!doubted(summary["answer"].as_str().expect("an answer")), "{summary}");
 }

@@ -9,7 +9,7 @@ use crate::study_page::estimates::Estimate;
 use base::units::Unit;
 use base::written::{Reading, digits, figure};
 use plot::{Plot, thinned};
-use study::script::{self, ConvergenceHistory, Row, ScriptOutput};
+use study::script::{self, ConvergenceHistory, Row, ScriptOutput, figure_sentence};
 
 /// Most curves that are shown over those measured.
 const MOST_FITS: usize = 24;
@@ -190,30 +190,36 @@ fn line(one: &Estimate, is_alone: bool) -> Line {
     }
 }
 
-/// The first figures that the script measured, large (HTML); those of the ends of an interval stand beside their figure.
-pub(super) fn cards(measures: &Row) -> String {
+/// The first figures that the script measured, large (HTML), each with the sentence that the `script` gives of it. The ends of an
+/// interval stand beside their figure, or in its place where there is none, with the sentence of the low end.
+pub(super) fn cards(measures: &Row, script: &str) -> String {
     let number = |name: &str| measures.get(name).and_then(Value::as_f64);
     let ends = |name: &str| Some((number(&beside(name, "low"))?, number(&beside(name, "high"))?));
-    let is_end = |name: &&String| {
-        let of = |end: &str| name.contains(end) && ends(&name.replacen(end, "", 1)).is_some();
-        !of("_low") && !of("_high")
-    };
+    let of_end =
+        |name: &str, end: &str| name.contains(end).then(|| name.replacen(end, "", 1)).filter(|of| ends(of).is_some());
     let card = |name: &String| {
-        let value = &measures[name.as_str()];
-        let (words, _) = Reading::of_name(name, 0.0);
-        let shown = match value {
-            Value::Number(number) => figure(name, number.as_f64()?),
-            Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
-            _ => return None,
-        };
-        let beside = ends(name).map_or_else(String::new, |(low, high)| {
-            let reading = Reading::of_name(name, value.as_f64().unwrap_or(high)).1;
+        let range = of_end(name, "_low").filter(|of| !measures.contains_key(of));
+        let is_end = ["_low", "_high"].iter().any(|end| of_end(name, end).is_some());
+        if is_end && range.is_none() {
+            return None;
+        }
+        let name = range.as_ref().unwrap_or(name);
+        let interval = ends(name).map(|(low, high)| {
+            let reading = Reading::of_name(name, number(name).unwrap_or(high)).1;
             reading.with_unit(&format!("{} to {}", reading.digits(low), reading.digits(high)))
         });
-        let (words, value) = (escape(&words), &escape(&shown));
-        Some(Card { title: name, words, value, beside: &beside, ..Card::default() }.html())
+        let told = if interval.is_some() { &beside(name, "low") } else { name };
+        let (shown, interval) = match (measures.get(name), interval) {
+            (Some(Value::Number(number)), interval) => (figure(name, number.as_f64()?), interval),
+            (Some(Value::Bool(yes)), interval) => (if *yes { "yes" } else { "no" }.into(), interval),
+            (None, Some(interval)) => (interval, None),
+            _ => return None,
+        };
+        let beside: Vec<&str> = interval.as_deref().into_iter().chain(figure_sentence(script, told)).collect();
+        let (words, value) = (escape(&Reading::of_name(name, 0.0).0), &escape(&shown));
+        Some(Card { title: name, words, value, beside: &beside.join(": "), ..Card::default() }.html())
     };
-    let cards: String = measures.keys().filter(is_end).filter_map(card).take(MOST_CARDS).collect();
+    let cards: String = measures.keys().filter_map(card).take(MOST_CARDS).collect();
     html::cards(&cards)
 }
 
@@ -232,12 +238,18 @@ mod tests {
     #[test]
     fn the_ends_of_an_interval_stand_beside_their_figure() {
         let measures = serde_json::json!({
-            "probit_mass_low_kg": 0.05, "probit_mass_kg": 0.06, "probit_mass_high_kg": 0.07, "share_low": 0.1, "share": 0.2, "lowest_m": 1
+            "failure_mass_low_kg": 0.05, "failure_mass_kg": 0.06, "failure_mass_high_kg": 0.07, "share_low": 0.1, "share": 0.2,
+            "lowest_m": 1, "span_low_kg": 0.02, "span_high_kg": 0.04,
         });
-        let html = cards(measures.as_object().expect("figures"));
-        assert_eq!(html.matches("<li>").count(), 4, "{html}");
-        assert!(html.contains("60 g</span><span class=\"beside\">50 to 70 g</span>"), "{html}");
-        assert!(html.contains("20 %</span></li>") && html.contains("lowest"), "an open end is no interval: {html}");
+        let script = "//! figure failure_mass_low_kg  95 % interval.\n//! figure span_low_kg  One change a time.\n//! figure share  Of all.\n";
+        let html = cards(measures.as_object().expect("figures"), script);
+        assert_eq!(html.matches("<li>").count(), 5, "{html}");
+        assert!(html.contains("60 g</span><span class=\"beside\">50 to 70 g: 95 % interval.</span>"), "{html}");
+        assert!(
+            html.contains("20 %</span><span class=\"beside\">Of all.</span></li>") && html.contains("lowest"),
+            "an open end is no interval: {html}"
+        );
+        assert!(html.contains("20 to 40 g</span><span class=\"beside\">One change a time.</span>"), "{html}");
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub fn study_page(study: &StudyPage) -> String {
     let lead = answer::sentence(output, &estimates, script);
     let measures = &output.measures;
     let parts = [
-        answer::cards(measures),
+        answer::cards(measures, script),
         html::section("Measured and identified", &answer::curves(output)),
         html::section("Parameters", &answer::parameters(&estimates)),
         html::findings(Vec::new(), &output.findings),

@@ -9,6 +9,7 @@ use super::springs::SpringStep;
 use super::tracks::Sample;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
+use lab::signal::column::{self, Column};
 use membrane::engine::{self, ContactState, ElementStrain, FilmContactState, TooWide, View};
 use membrane::material::{Hardening, Law};
 
@@ -359,7 +360,8 @@ impl Monitor {
                 && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
         };
         let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
-        out.extend(rupture_time.filter(|_| is_drop).map(|time| Warning::BreakStrainOfCoupons { time }));
+        let (broke, share) = (rupture_time.is_some(), if is_drop { share_of_break(outcome, model) } else { 0.0 });
+        out.extend((share > bounds::OF_BREAK).then_some(Warning::BreakStrainOfCoupons { broke, share }));
         let plastic = largest_plastic_strains(&outcome.snapshots, model.faces.len());
         let yielded = plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
             let Law::Plastic(law) = &face.material.law else { return None };
@@ -394,6 +396,16 @@ impl Monitor {
         }));
         out
     }
+}
+
+/// Largest strain of the film over the least break strain of its direction.
+fn share_of_break(outcome: &Outcome, model: &Model) -> f64 {
+    let least = |fibre: usize| {
+        model.faces.iter().map(|face| face.material.break_strains()[fibre]).fold(f64::INFINITY, f64::min)
+    };
+    let largest =
+        |column: Column| outcome.signals.channel(column.name).into_iter().flatten().copied().fold(0.0, f64::max);
+    f64::max(largest(column::MAX_STRAIN_MD) / least(0), largest(column::MAX_STRAIN_TD) / least(1))
 }
 
 /// Largest equivalent plastic strain of each face in `snapshots`; it never falls.

@@ -12,7 +12,7 @@ use super::{Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, St
 use base::finding::Finding;
 use base::number::duration;
 use base::units::STANDARD_GRAVITY;
-use base::written::{Reading, digits};
+use base::written::{Reading, capital, digits};
 use scene::model::Model;
 use scene::model::loading::Test;
 
@@ -243,10 +243,13 @@ pub fn reached(at: &str, value: f64) -> String {
 /// Share in % below which a figure shows no digits.
 pub const LEAST_SHARE: f64 = 0.01;
 
+/// The finding that questions whether film holds, which stands in the answer.
+const BREAK_STRAIN: &str = "break-strain-of-coupons";
+
 /// Most figures of an impactor in a sentence.
 const MOST_TOLD: usize = 3;
 
-/// What a run answers: whether the film held, and the first figures of each impactor.
+/// What a run answers: whether the film held, the first figures of each impactor, and what questions it.
 pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
     let figures = results.figures();
     let film = match figures.get("rupture_time_s").and_then(Value::as_f64) {
@@ -267,7 +270,9 @@ pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
         (!told.is_empty()).then(|| format!("{whose}{}", told.join(", ")))
     };
     let told: Vec<String> = prefixes(results).iter().filter_map(of_body).collect();
-    if told.is_empty() { format!("{film}.") } else { format!("{film}: {}.", told.join("; ")) }
+    let doubts = results.measures.findings().iter().filter(|finding| finding.code == BREAK_STRAIN);
+    let doubts: String = doubts.map(|finding| format!(" {}.", capital(&finding.message))).collect();
+    if told.is_empty() { format!("{film}.{doubts}") } else { format!("{film}: {}.{doubts}", told.join("; ")) }
 }
 
 /// The headlines of an impactor's test beyond those of its answer, in words, and those of every test.

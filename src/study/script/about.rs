@@ -46,6 +46,12 @@ pub struct Declared {
     pub text: String,
 }
 
+/// The sentence that the script `text` gives of a figure in a line `//! figure NAME  SENTENCE`.
+pub fn figure_sentence<'t>(text: &'t str, name: &str) -> Option<&'t str> {
+    let line = text.lines().find_map(|line| line.strip_prefix("//! figure ")?.strip_prefix(name)?.strip_prefix("  "));
+    line.map(str::trim)
+}
+
 /// The kind of value of an argument, as its default shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

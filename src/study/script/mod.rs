@@ -13,7 +13,7 @@ mod session;
 mod values;
 mod warning;
 
-pub use crate::script::about::{About, Declared, Kind, argument_value};
+pub use crate::script::about::{About, Declared, Kind, argument_value, figure_sentence};
 pub use crate::script::fault::{
     Fault, HostResult, at_key, cause, is_numerical, key_mistake, numerical_failure, refuse, refuse_hinted, refuse_key,
     refused_key, thrown,
