@@ -353,33 +353,29 @@ fn drop_test(machine: &Machine) {
     let model = shipped(&["specimen.symmetry=none"]);
     println!("## Drop test 1008, 40 × 40 × 2 elements: contact, friction, hysteresis, audit, signals\n");
     println!(
-        "| threads | vector instructions | ns an element step | cycles | as many at 2.5 GHz, ns | bytes an element |\n|---|---|---|---|---|---|"
+        "| threads | vector instructions | ns an element step | cycles | as many at 2.5 GHz, ns |\n|---|---|---|---|---|"
     );
     for width in Width::available() {
-        let (cost, bytes) = whole(&model, 1, width);
-        row(1, width, cost, bytes, machine);
+        row(1, width, whole(&model, 1, width), machine);
     }
-    let (cost, bytes) = whole(&model, 2, Width::best());
-    row(2, Width::best(), cost, bytes, machine);
+    row(2, Width::best(), whole(&model, 2, Width::best()), machine);
     println!();
 }
 
-fn row(threads: usize, width: Width, cost: f64, bytes: f64, machine: &Machine) {
+fn row(threads: usize, width: Width, cost: f64, machine: &Machine) {
     let cycles = cost * 1e-9 * machine.clock;
-    println!("| {threads} | {width:?} | {cost:.1} | {cycles:.0} | {:.1} | {bytes:.0} |", cycles / 2.5);
+    println!("| {threads} | {width:?} | {cost:.1} | {cycles:.0} | {:.1} |", cycles / 2.5);
 }
 
-/// ns an element step and bytes an element of a whole run.
-fn whole(model: &Model, threads: usize, width: Width) -> (f64, f64) {
+/// ns an element step of a whole run.
+fn whole(model: &Model, threads: usize, width: Width) -> f64 {
     let once = || {
         let options = RunOptions { pool: Some(ThreadPool::new(threads).at_width(width)), ..RunOptions::default() };
         let outcome = simulate::run_with(model, options, &mut |_| {}).expect("a run");
         let element_steps = outcome.elements as f64 * outcome.steps as f64;
-        (outcome.wall.as_secs_f64() * 1e9 / element_steps, outcome.bytes as f64 / outcome.elements as f64)
+        outcome.wall.as_secs_f64() * 1e9 / element_steps
     };
-    let mut runs: Vec<_> = (0..3).map(|_| once()).collect();
-    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    runs[1]
+    median((0..3).map(|_| once()).collect())
 }
 
 /// ns an element step of `steps` steps.
@@ -426,7 +422,7 @@ fn parts() {
 /// The same film from coarse to fine.
 fn sizes() {
     println!("## From a thousand to a million elements, one thread\n");
-    println!("| elements | ns an element step, with contact | bytes an element |\n|---|---|---|");
+    println!("| elements | ns an element step, with contact |\n|---|---|");
     // A quarter, as the whole would be so coarse that there is face contact.
     for (symmetry, size, steps) in
         [("quarter", "9.1mm", 4000), ("none", "5.66mm", 400), ("none", "1.79mm", 60), ("none", "0.566mm", 20)]
@@ -435,7 +431,7 @@ fn sizes() {
         let mut engine = simulate::engine(&model).expect("an engine");
         stepping(&mut engine, steps / 4);
         let cost = median((0..REPEATS).map(|_| stepping(&mut engine, steps)).collect());
-        println!("| {} | {cost:.1} | {:.0} |", engine.elements(), engine.bytes() as f64 / engine.elements() as f64);
+        println!("| {} | {cost:.1} |", engine.elements());
     }
     println!();
 }
@@ -460,7 +456,7 @@ fn faces() {
         };
         let [without, with] = [false, true].map(with);
         let elements = simulate::engine(&with).expect("an engine").elements();
-        let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()).0);
+        let [plain, meeting] = [without, with].map(|model| whole(&model, 1, Width::best()));
         println!("| {name} | {elements} | {plain:.1} | {meeting:.1} | {:.2} |", meeting / plain);
     }
     println!();

@@ -122,13 +122,6 @@ impl Film {
         self.chunks.iter().map(|chunk| chunk.group.variables()).sum()
     }
 
-    /// Bytes of its elements.
-    pub(super) fn bytes(&self) -> usize {
-        let elements: usize = self.chunks.iter().map(|chunk| chunk.group.bytes()).sum();
-        let tips = self.tips.as_ref().map_or(0, |tips| tips.bytes());
-        elements + tips
-    }
-
     /// History variables of its elements: element by element, quads first, whatever the chunks and blocks that hold them.
     pub(super) fn save(&self) -> Vec<f64> {
         let mut history = vec![];

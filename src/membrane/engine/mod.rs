@@ -14,7 +14,6 @@ mod element;
 mod failure;
 mod film;
 mod film_contact;
-mod footprint;
 mod guide_friction;
 mod impact;
 mod loads;
@@ -300,16 +299,6 @@ impl Engine {
     /// Surfaces of the impactors, and after them that of the frame's bars.
     pub fn impactors(&self) -> impl Iterator<Item = &Surface> {
         self.impacts.iter().map(|impact| impact.contact.surface())
-    }
-
-    /// Bytes of all arrays that grow with the mesh: nodes, elements, contact, and the previous step stored for
-    /// observers. Spare capacity does not count.
-    pub fn bytes(&self) -> usize {
-        let films: usize = self.films.iter().map(Film::bytes).sum();
-        let contact: usize = self.impacts.iter().map(|impact| impact.contact.bytes()).sum();
-        let between = self.film_contact.as_ref().map_or(0, FilmContact::bytes);
-        let springs = self.springs.as_ref().map_or(0, Springs::bytes);
-        self.nodes.bytes() + self.previous.bytes() + films + contact + between + springs
     }
 
     /// The present time step, s.

@@ -355,11 +355,6 @@ pub(super) struct PreviousStep {
 }
 
 impl PreviousStep {
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        self.position.bytes() + self.force.bytes() + self.velocity.bytes()
-    }
-
     /// Stores the present state.
     pub(super) fn store(&mut self, nodes: &Nodes, impacts: &[Impact]) {
         self.position.clone_from(&nodes.position);

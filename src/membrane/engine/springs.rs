@@ -153,11 +153,6 @@ impl Springs {
         state.slack /= self.springs.len() as f64;
         state
     }
-
-    /// Bytes of their arrays.
-    pub(super) fn bytes(&self) -> usize {
-        self.springs.len() * (size_of::<Spring>() + size_of::<Vector3<f64>>())
-    }
 }
 
 /// A spring at the present positions.

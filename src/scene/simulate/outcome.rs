@@ -60,8 +60,6 @@ pub struct Outcome {
     pub warming: Option<f64>,
     /// Number of elements.
     pub elements: usize,
-    /// Memory of the engine's own arrays, bytes.
-    pub bytes: usize,
     /// Number of threads.
     pub threads: usize,
     /// Vector instructions of its kernels.

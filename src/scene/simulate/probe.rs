@@ -332,7 +332,6 @@ impl<'a> Probe<'a> {
             torn: torn.map(|((length, area), energy)| Torn { length, area, energy }),
             warming: self.record.warming,
             elements: engine.elements(),
-            bytes: engine.bytes(),
             threads: engine.pool().threads(),
             instructions: engine.pool().width(),
             steps: engine.steps(),

@@ -12,16 +12,8 @@ use scene::mesh::Quality;
 use scene::simulate::{Outcome, RateHistogram};
 
 /// Figures of machine and mesh, which differ between runs of a scenario or follow from its keys.
-pub const COST: [&str; 8] = [
-    "elements",
-    "steps",
-    "time_step_s",
-    "wall_s",
-    "ns_per_element_step",
-    "bytes_per_element",
-    "threads",
-    "instructions",
-];
+pub const COST: [&str; 7] =
+    ["elements", "steps", "time_step_s", "wall_s", "ns_per_element_step", "threads", "instructions"];
 
 /// Those of them that differ between runs of one scenario: they follow from the machine, and from what else it does.
 pub const OF_THE_MACHINE: [&str; 4] = ["wall_s", "ns_per_element_step", "threads", "instructions"];
@@ -60,8 +52,6 @@ pub struct Audit {
     pub field: Option<FieldFigures>,
     /// Elements of all faces.
     pub elements: usize,
-    /// Memory of the engine's own arrays over the number of elements.
-    pub bytes_per_element: f64,
     /// Time steps.
     pub steps: u64,
     /// Largest time step.
@@ -179,7 +169,6 @@ impl Audit {
             field_error: field.and_then(|field| field.norms().relative()),
             field: figures,
             elements: outcome.elements,
-            bytes_per_element: outcome.bytes as f64 / outcome.elements as f64,
             steps: outcome.steps,
             time_step_s: outcome.time_step,
             wall_s,

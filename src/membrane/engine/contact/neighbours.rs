@@ -7,11 +7,9 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::node_contact::NodeContacts;
 use super::surface::{Clearance, Followed, UNKNOWN};
 use super::{Contact, EDGE_SHARE, FACE_PENETRATION, FACE_SHARE, NODES_PER_RANGE, SAGITTA_SHARE, Work};
 use crate::engine::film::Film;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Nodes;
 
 /// Skin of the neighbour list over the impactor's size.
@@ -269,26 +267,5 @@ impl Contact {
         self.rounded = self.surface.with_edges(self.neighbours.edge);
         self.neighbours.partition(films);
         self.work = history.work;
-    }
-
-    /// Bytes of the arrays that grow with the mesh.
-    pub(in crate::engine) fn bytes(&self) -> usize {
-        let NeighbourList { nodes, ranges, impulse_nodes, elements, face_candidates, followed, clearances, .. } =
-            &self.neighbours;
-        let listed = bytes(nodes)
-            + bytes(ranges)
-            + bytes(impulse_nodes)
-            + bytes(elements)
-            + bytes(face_candidates)
-            + bytes(followed)
-            + bytes(clearances);
-        listed
-            + bytes(&self.offset)
-            + bytes(&self.normals)
-            + bytes(&self.nearest)
-            + self.previous_velocity.bytes()
-            + bytes(&self.predicted)
-            + self.swept.as_deref().map_or(0, bytes)
-            + self.contacts.iter().map(NodeContacts::bytes).sum::<usize>()
     }
 }

@@ -7,7 +7,6 @@ use super::impulse_sums::Friction;
 use super::impulse_sums::{ImpulseSums, LaneImpulseSums};
 use super::surface::{Nearest, Surface};
 use crate::engine::disjoint::Disjoint;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::{Correction, Nodes, Vectors, gather};
 use crate::engine::rigid_body::{CoupledFilm, RigidBody};
 use crate::lane::{LANES, Lane, Lane3, at_width, cross, dot, larger, splat};
@@ -83,11 +82,6 @@ impl NodeContacts {
     /// Whether a node penetrates.
     pub(super) fn is_active(&self) -> bool {
         self.count > 0
-    }
-
-    /// Bytes of its arrays; unused blocks do not count, so that a resumed run has the same number.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.blocks[..self.count]) + bytes(&self.impulses)
     }
 
     /// Nodes that got an impulse.

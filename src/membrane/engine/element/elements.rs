@@ -9,7 +9,6 @@ use super::heating::Heating;
 use super::tearing::{Lost, Tearing, Torn};
 use super::viscous::{ViscousBlock, ViscousPoints};
 use crate::engine::failure::Failures;
-use crate::engine::footprint::bytes;
 use crate::lane::{LANES, Lane, Width, lanes, splat};
 use crate::material::{HEAT_VARIABLES, History, MembraneLaw, Rupture, Tear, Thermal, ViscousLaw};
 
@@ -119,15 +118,6 @@ impl<const L: usize> Common<L> {
         }
         total
     }
-
-    fn bytes(&self) -> usize {
-        let Common { count: _, corners, mass_factors, heating, tearing } = self;
-        bytes(&corners.of_element)
-            + bytes(&corners.is_row)
-            + bytes(mass_factors)
-            + heating.as_ref().map_or(0, Heating::bytes)
-            + tearing.as_ref().map_or(0, Tearing::bytes)
-    }
 }
 
 impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> Elements<M, B, NODES, L> {
@@ -183,11 +173,6 @@ impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> 
         let of_heat = self.common.heating.as_ref().map_or(0, |_| HEAT_VARIABLES);
         let of_tear = self.common.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
         B::POINTS * of_point + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_heat + of_tear
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.blocks) + self.viscous.as_ref().map_or(0, ViscousPoints::bytes) + self.common.bytes()
     }
 
     /// Share of the layers whose MD and TD fibres are not broken in the element at a block and lane; none where it is

@@ -28,9 +28,6 @@ pub(crate) trait ElementGroup: Send + Sync {
     /// Number of history variables.
     fn variables(&self) -> usize;
 
-    /// Bytes of its arrays.
-    fn bytes(&self) -> usize;
-
     /// Properties of the law.
     fn traits(&self) -> LawTraits;
 
@@ -140,10 +137,6 @@ where
 
     fn variables(&self) -> usize {
         self.common.count * Elements::variables(self)
-    }
-
-    fn bytes(&self) -> usize {
-        Elements::bytes(self)
     }
 
     #[cfg_attr(not(test), inline)]

@@ -30,11 +30,6 @@ impl<const L: usize> Heating<L> {
         self.blocks[block].variables()
     }
 
-    /// Bytes of its arrays.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.blocks[..])
-    }
-
     /// Share of the law's forces that the elements of a block had at the last position.
     #[inline(always)]
     pub(super) fn share(&self, block: usize) -> &Lane<L> {

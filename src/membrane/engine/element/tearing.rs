@@ -157,11 +157,6 @@ impl<const L: usize> Tearing<L> {
         &mut self.variables[block]
     }
 
-    /// Bytes of its arrays.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.variables[..]) + size_of_val(&self.beside_open[..]) + size_of_val(&self.volumes[..])
-    }
-
     /// Whether so much of the element at a block and lane is torn that the elements around it are at the tip.
     pub(crate) fn is_open(&self, [block, lane]: [usize; 2]) -> bool {
         self.element_tear([block, lane]).is_open(self.rupture.fracture_energy)

@@ -85,11 +85,6 @@ impl<const L: usize> ViscousPoints<L> {
     pub(crate) fn per_block(&self) -> usize {
         self.per_block
     }
-
-    /// Bytes of the variables.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.variables[..])
-    }
 }
 
 /// The blocks of viscous film in a step.

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use super::due::Noted;
 use super::surface::{NONE, Surface};
 use super::tracking::{BESIDE, Tracking, foot, normal_of, project};
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// Square of the sine between two edges below which they count as parallel: nodes then carry the contact.
@@ -234,13 +233,5 @@ impl Crossings {
     /// All of them, in their order.
     pub(super) fn iter(&self) -> impl Iterator<Item = Crossing> + '_ {
         self.places().map(|place| self.get(place))
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let nodes: usize = self.nodes.iter().map(|all| bytes(all)).sum();
-        let of_edge = bytes(&self.of_edge) + self.of_edge.iter().map(|of| bytes(of)).sum::<usize>();
-        let numbers = bytes(&self.sign) + bytes(&self.bound) + self.noted.bytes();
-        bytes(&self.edges) + nodes + numbers + of_edge
     }
 }

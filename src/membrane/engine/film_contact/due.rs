@@ -8,7 +8,6 @@
 
 use super::FilmContact;
 use super::surface::NONE;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 use crate::lane::{LANES, Lane, Width, at_width, lanes, larger, smaller, splat};
 
@@ -54,11 +53,6 @@ impl Noted {
     #[inline(always)]
     pub(super) fn limit(&self, place: usize, distance: f64) -> f64 {
         if self.carried[place] == NONE { distance } else { f64::INFINITY }
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.carried) + bytes(&self.due)
     }
 }
 

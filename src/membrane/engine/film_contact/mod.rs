@@ -174,14 +174,6 @@ impl FilmContact {
         self.itself = Some(SelfContact::new(films, &self.surface, nodes));
     }
 
-    /// Bytes of the arrays that grow with the mesh.
-    pub(super) fn bytes(&self) -> usize {
-        let tracking: usize = self.tracking.iter().map(Tracking::bytes).sum();
-        let of_nodes = self.previous_velocity.bytes() + self.predicted.bytes() + self.history.detected.bytes();
-        let itself = self.itself.as_ref().map_or(0, SelfContact::bytes);
-        self.surface.bytes() + tracking + of_nodes + self.crossings.bytes() + itself
-    }
-
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
         self.history.margin = 0.0;

@@ -6,7 +6,6 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use crate::engine::film::Film;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// No triangle or no edge.
@@ -173,14 +172,6 @@ impl Surface {
     /// The face of a triangle.
     pub(super) fn face_of(&self, triangle: u32) -> usize {
         self.faces.partition_point(|face| face.end <= triangle)
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let of_triangles = bytes(&self.corners) + bytes(&self.across) + bytes(&self.edges_of) + bytes(&self.is_intact);
-        let of_edges =
-            bytes(&self.edges) + bytes(&self.is_intact_edge) + bytes(&self.edges_at) + bytes(&self.first_edge);
-        of_triangles + of_edges + self.elements.iter().map(|of_film| bytes(of_film)).sum::<usize>()
     }
 }
 

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::due::Noted;
 use super::surface::{NONE, Surface};
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// Share of an element by which a node may lie beside its triangle until it is followed to the next one.
@@ -167,17 +166,6 @@ impl Tracking {
             self.bound[n] = *bound;
             self.noted.due[n] = *due;
         }
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let corners: usize = self.corners.iter().map(|corner| bytes(corner)).sum();
-        bytes(&self.triangle)
-            + corners
-            + bytes(&self.on_corner)
-            + bytes(&self.sign)
-            + bytes(&self.bound)
-            + self.noted.bytes()
     }
 }
 

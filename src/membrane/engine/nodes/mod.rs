@@ -15,7 +15,6 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use super::disjoint::Disjoint;
-use super::footprint::bytes;
 
 /// Nodal quantities, one entry a node.
 #[derive(Clone, Debug, Default)]
@@ -102,13 +101,6 @@ impl Nodes {
         let change = [impulse.x * inverse_mass[0], impulse.y * inverse_mass[1], impulse.z * inverse_mass[2]];
         self.position.add(node, [change[0] * dt, change[1] * dt, change[2] * dt]);
         self.velocity.add(node, change);
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let Nodes { position, velocity, force, mass, inverse_mass, effective_inverse_mass, constrained } = self;
-        let vectors = position.bytes() + velocity.bytes() + force.bytes() + effective_inverse_mass.bytes();
-        vectors + bytes(mass) + bytes(inverse_mass) + bytes(constrained)
     }
 
     /// Sums of squares of the forces on some nodes, with their weight under `gravity` (m/s²), along free directions and

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::footprint::bytes;
 use crate::lane::{LANES, Lane, Lane3, lanes};
 
 /// A vector at every node, one array an axis.
@@ -22,11 +21,6 @@ impl Vectors {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.axes[0].len()
-    }
-
-    /// Bytes of its arrays.
-    pub(in crate::engine) fn bytes(&self) -> usize {
-        self.axes.iter().map(|axis| bytes(axis)).sum()
     }
 
     /// Whether there is no node.

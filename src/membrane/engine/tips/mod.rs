@@ -150,17 +150,6 @@ impl Tips {
         }
     }
 
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let of_element = |corners: &Vec<u32>| size_of::<Vec<u32>>() + size_of_val(&corners[..]) + size_of::<Place>();
-        let elements: usize = self.nodes.iter().flatten().map(of_element).sum();
-        let arrays = size_of_val(&self.first[..])
-            + size_of_val(&self.around[..])
-            + size_of_val(&self.mirrors[..])
-            + size_of_val(&self.outer[..]);
-        elements + arrays + size_of_val(&self.at_tip[..])
-    }
-
     /// Finds the elements at tips anew.
     pub(super) fn find(&mut self, groups: &[&dyn ElementGroup]) {
         for (of_chunk, group) in self.places.iter_mut().zip(groups) {

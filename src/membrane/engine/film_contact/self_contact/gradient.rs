@@ -9,7 +9,6 @@
 use nalgebra::Vector3;
 
 use crate::engine::film_contact::surface::Surface;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// Least ratio of the altitude of a triangle to its longest side for which it has a gradient, and of the stretches of a
@@ -91,11 +90,6 @@ impl Mounted {
             area += shape.area;
         }
         sum.map(|sum| sum / area)
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.shapes)
     }
 }
 

@@ -11,7 +11,6 @@ use nalgebra::Vector3;
 
 use super::gradient::{Gradient, Gradients, Mounted, Plane};
 use crate::engine::film_contact::surface::{NONE, Surface, place};
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// Triangles of a leaf at most.
@@ -210,14 +209,6 @@ impl Hierarchy {
                 }
             }
         }
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let mounted = self.mounted.as_ref().map_or(0, Mounted::bytes);
-        let of_triangles =
-            bytes(&self.triangles) + bytes(&self.boxes) + bytes(&self.gradients) + bytes(&self.altitudes);
-        of_triangles + bytes(&self.volumes) + bytes(&self.hull) + bytes(&self.covers) + mounted
     }
 }
 

@@ -110,13 +110,6 @@ impl SelfContact {
         }
     }
 
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        let hierarchies: usize = self.hierarchies.iter().map(Hierarchy::bytes).sum();
-        let positions = self.start.bytes() + self.searched.0.bytes() + self.detected.bytes();
-        self.topology.bytes() + hierarchies + self.pairs.bytes() + positions
-    }
-
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
         (self.margin, self.searched.1) = (0.0, 0.0);

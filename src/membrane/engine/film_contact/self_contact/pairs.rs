@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use super::SelfContact;
 use crate::engine::film_contact::due::Noted;
 use crate::engine::film_contact::surface::Surface;
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 /// Parts of one face that may meet.
@@ -117,11 +116,6 @@ impl Pairs {
             whole: self.whole[place],
             due: self.noted.due[place],
         }
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.parts) + bytes(&self.sign) + bytes(&self.bound) + bytes(&self.whole) + self.noted.bytes()
     }
 }
 

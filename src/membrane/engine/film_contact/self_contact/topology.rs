@@ -2,7 +2,6 @@
 
 use crate::engine::film::Film;
 use crate::engine::film_contact::surface::{NONE, Surface, place};
-use crate::engine::footprint::bytes;
 use crate::engine::nodes::Vectors;
 
 use super::pairs::Parts;
@@ -112,11 +111,6 @@ impl Topology {
                 add(Parts::Node { node, triangle: other });
             }
         }
-    }
-
-    /// Bytes of its arrays.
-    pub(super) fn bytes(&self) -> usize {
-        bytes(&self.of_node) + bytes(&self.of_edge) + bytes(&self.behind) + bytes(&self.near) + bytes(&self.first)
     }
 }
 
