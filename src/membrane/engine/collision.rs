@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::contact::Meeting;
 use super::impact::Impact;
 use super::rigid_body::RigidBody;
-use super::weighted_nodes::within_cone;
+use super::weighted_nodes::ContactImpulse;
 
 /// Overlap over the size of the smaller body that is round-off.
 pub(super) const TOUCH: f64 = 1e-9;
@@ -25,8 +25,8 @@ pub(super) struct Collisions {
 /// A point at which two bodies may meet.
 struct Collision {
     bodies: [usize; 2],
-    /// From the first body to the second.
-    normal: Vector3<f64>,
+    /// On the second body; its normal is from the first body to it.
+    impulse: ContactImpulse,
     /// From the centres of mass, m.
     arms: [Vector3<f64>; 2],
     /// m; negative where they overlap.
@@ -35,10 +35,6 @@ struct Collision {
     tolerance: f64,
     restitution: f64,
     friction: f64,
-    /// On the second body, N s.
-    normal_impulse: f64,
-    /// On the second body, N s.
-    tangential_impulse: Vector3<f64>,
     /// Whether neither body can yield.
     is_blocked: bool,
 }
@@ -56,14 +52,12 @@ impl Collisions {
                 let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
                 points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
                     bodies: [first, second],
-                    normal,
+                    impulse: ContactImpulse::none(normal),
                     arms: [a, b].map(|of| point - of.body.centre()),
                     gap: gap - a.cover - b.cover,
                     tolerance,
                     restitution: a.restitution.min(b.restitution),
                     friction: a.contact.friction().min(b.contact.friction()),
-                    normal_impulse: 0.0,
-                    tangential_impulse: Vector3::zeros(),
                     is_blocked: false,
                 }));
             }
@@ -94,8 +88,8 @@ impl Collisions {
     /// full one; `before` are the bodies before the step.
     pub(super) fn losses(&self, impacts: &[Impact], before: &[RigidBody]) -> [f64; 2] {
         let (mut behind, mut ahead) = (0.0, 0.0);
-        for Collision { bodies: [a, b], arms, normal, normal_impulse, tangential_impulse, .. } in &self.points {
-            let impulse = normal * *normal_impulse + tangential_impulse;
+        for Collision { bodies: [a, b], arms, impulse, .. } in &self.points {
+            let impulse = impulse.total();
             // Summed impulses times the mean of the velocities before and after the step: exact, whatever the sweeps
             // did in between.
             let half_power =
@@ -109,12 +103,12 @@ impl Collisions {
     /// Adds the impulses of the step to those that the bodies have got, and marks those that met the frame.
     pub(super) fn record(&self, impacts: &mut [Impact]) {
         impacts.iter_mut().for_each(|impact| impact.meets_frame = false);
-        for Collision { bodies: [a, b], normal, normal_impulse, tangential_impulse, is_blocked, .. } in &self.points {
+        for Collision { bodies: [a, b], impulse, is_blocked, .. } in &self.points {
             let with_frame = impacts[*a].is_frame || impacts[*b].is_frame;
-            if with_frame && (*normal_impulse > 0.0 || *is_blocked) {
+            if with_frame && (impulse.is_active() || *is_blocked) {
                 (impacts[*a].meets_frame, impacts[*b].meets_frame) = (true, true);
             }
-            let along_z = normal.z * normal_impulse + tangential_impulse.z;
+            let along_z = impulse.total().z;
             impacts[*a].collision_impulse -= along_z;
             impacts[*b].collision_impulse += along_z;
         }
@@ -140,11 +134,12 @@ impl Collision {
     /// Newton's law of restitution and Coulomb's of friction for a gap that would close within `dt` (s) (theory.md,
     /// equations 58 and 59). Returns whether there was an impulse.
     fn solve(&mut self, a: &mut RigidBody, b: &mut RigidBody, dt: f64) -> bool {
-        let velocity = self.relative_velocity(a, b).dot(&self.normal);
+        let normal = self.impulse.normal;
+        let velocity = self.relative_velocity(a, b).dot(&normal);
         let recovery = if self.gap < -self.tolerance { -RECOVERY * self.gap / dt } else { 0.0 };
         // `velocity` < 0 closes the gap. The larger one, not the sum: an overlap adds nothing to a rebound.
         let target = recovery.max(-self.restitution * velocity);
-        let mass = self.inverse_effective_mass(&self.normal, a, b);
+        let mass = self.inverse_effective_mass(&normal, a, b);
         // Only a gap that would close in this step gets an impulse, so resting bodies are not held at a distance.
         if self.gap + velocity * dt >= -self.tolerance || velocity >= target || mass == 0.0 {
             // Neither body yields, but they meet all the same, which `record` notes of the frame.
@@ -152,19 +147,17 @@ impl Collision {
             return false;
         }
         let change = (target - velocity) / mass;
-        self.normal_impulse += change;
-        self.apply(&(self.normal * change), a, b);
+        self.impulse.press(change);
+        self.apply(&(normal * change), a, b);
 
         let relative = self.relative_velocity(a, b);
-        let slip = relative - self.normal * relative.dot(&self.normal);
+        let slip = relative - normal * relative.dot(&normal);
         let Some(direction) = slip.try_normalize(0.0) else { return true };
         // Along the slip: a spinning ball responds 3.5 times as much along its surface as across it.
         let mass = self.inverse_effective_mass(&direction, a, b);
         if mass > 0.0 {
-            let sticking = self.tangential_impulse - slip / mass;
-            let kept = within_cone(sticking, self.friction * self.normal_impulse);
-            self.apply(&(kept - self.tangential_impulse), a, b);
-            self.tangential_impulse = kept;
+            let dragged = self.impulse.drag(slip / mass, self.friction);
+            self.apply(&dragged, a, b);
         }
         true
     }

@@ -89,15 +89,8 @@ pub struct Engine {
     /// The springs between film and frame, where it hangs on them.
     springs: Option<Springs>,
     loads: Loads,
-    time_step: TimeStep,
-    time: f64,
-    steps: u64,
-    ledger: EnergyLedger,
+    progress: Progress,
     previous: PreviousStep,
-    /// Pressure and enclosed volume of the last step.
-    inflated: Option<Inflated>,
-    /// Air between the first two faces in the last step.
-    cushion: Option<CushionState>,
     /// Volume between the first two faces as mounted, up to the constant of [`Enclosed::volume`], m³.
     mounted_volume: f64,
     /// Volume under the last film as mounted, up to the constant of [`pressure::volume`], m³.
@@ -111,6 +104,21 @@ pub struct Engine {
     node_ranges: Vec<Range<usize>>,
     /// Elements that failed since [`Engine::step`] last returned.
     failed: usize,
+}
+
+/// What a run has come to, besides film, impactors and contact.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Progress {
+    /// Of the full step, s.
+    time: f64,
+    /// Steps so far.
+    steps: u64,
+    time_step: TimeStep,
+    ledger: EnergyLedger,
+    /// Pressure and enclosed volume of the last step.
+    inflated: Option<Inflated>,
+    /// Air between the first two faces in the last step.
+    cushion: Option<CushionState>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     too_wide: Option<TooWide>,
     /// Share of the work done on film around the tip of a tear that it would have returned where, for the first time, all work
@@ -189,13 +197,8 @@ impl Engine {
             clamp: None,
             springs: None,
             loads,
-            time_step: TimeStep::default(),
-            time: 0.0,
-            steps: 0,
-            ledger: EnergyLedger::default(),
+            progress: Progress::default(),
             previous: PreviousStep::default(),
-            inflated: None,
-            cushion: None,
             mounted_volume,
             flat_volume,
             pool: ThreadPool::new(1),
@@ -203,14 +206,12 @@ impl Engine {
             colouring,
             node_ranges,
             failed: 0,
-            too_wide: None,
-            returned: None,
         };
         // The stiffness depends on history variables, which pre-strain changes.
         // With no time: viscous film is mounted by this pass, and no strain rate arises from the pre-strain.
         engine.forces(0.0);
         engine.nodes.clear_forces();
-        engine.time_step = engine.first_time_step();
+        engine.progress.time_step = engine.first_time_step();
         engine
     }
 
@@ -248,7 +249,7 @@ impl Engine {
     /// This engine with film that hangs on `springs`, by nodes that nothing else holds.
     pub fn with_springs(self, springs: Springs) -> Engine {
         let mut engine = Engine { springs: Some(springs), ..self };
-        engine.time_step = engine.first_time_step();
+        engine.progress.time_step = engine.first_time_step();
         engine
     }
 
@@ -283,12 +284,12 @@ impl Engine {
 
     /// Time of the full step, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.progress.time
     }
 
     /// Steps so far.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.progress.steps
     }
 
     /// Number of elements.
@@ -303,15 +304,15 @@ impl Engine {
 
     /// The present time step, s.
     pub fn time_step(&self) -> f64 {
-        self.time_step.now()
+        self.progress.time_step.now()
     }
 
     /// Advances by one step. Returns the number of elements that failed in it.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<usize, Fault> {
-        let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
+        let (last, dt) = self.progress.time_step.next(&self.films, &self.nodes, &self.pool, self.progress.time)?;
         // Velocities stand half a step after positions (theory.md, equation 15); initial ones stand at the start.
-        let over = if self.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
-        let observed = observer.needs_state(self.time);
+        let over = if self.progress.steps == 0 { 0.5 * dt } else { 0.5 * (last + dt) };
+        let observed = observer.needs_state(self.progress.time);
         self.release()?;
         // Over the step by which the nodes came here: rates of strain are those of the last step, not of the next.
         self.forces(last);
@@ -337,22 +338,22 @@ impl Engine {
         self.press(dt);
         self.add_forces(dt);
         // What film returns at tips is only a finding: now and then, until it is one.
-        let looks = self.returned.is_none() && self.steps.is_multiple_of(NOW_AND_THEN);
+        let looks = self.progress.returned.is_none() && self.progress.steps.is_multiple_of(NOW_AND_THEN);
         let mut failures = Failures::default();
         for (face, film) in self.films.iter_mut().enumerate() {
             let of_film = film.fail(self.nodes.position.axes(), dt, looks);
-            if let Some(cushion) = self.cushion.as_mut().filter(|_| face < 2 && of_film.failed > 0) {
+            if let Some(cushion) = self.progress.cushion.as_mut().filter(|_| face < 2 && of_film.failed > 0) {
                 cushion.is_open = true;
             }
             let energy = of_film.energy;
-            self.ledger.rupture += self.loads.multiplicity * (energy.stored + energy.hourglass);
-            self.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
+            self.progress.ledger.rupture += self.loads.multiplicity * (energy.stored + energy.hourglass);
+            self.progress.ledger.absorbed += self.loads.multiplicity * energy.absorbed;
             failures.add(&of_film);
         }
-        self.too_wide = TooWide::worse(self.too_wide, failures.too_wide);
-        self.returned = self.returned.or(failures.returned);
+        self.progress.too_wide = TooWide::worse(self.progress.too_wide, failures.too_wide);
+        self.progress.returned = self.progress.returned.or(failures.returned);
         if failures.broken > 0 {
-            self.time_step.tear();
+            self.progress.time_step.tear();
             self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
             self.film_contact.iter_mut().for_each(|contact| contact.remove_deleted(&self.films));
         }
@@ -395,9 +396,9 @@ impl Engine {
     fn add_jaw_work(&mut self, dt: f64, kick: f64) {
         let power = |jaw: &Jaw| -self.nodes.total_force(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
-        self.ledger.external -= power * kick;
+        self.progress.ledger.external -= power * kick;
         // Half of this step's work belongs to the half step after the full one; energies at the full step leave it out.
-        self.ledger.external_ahead = -0.5 * power * dt;
+        self.progress.ledger.external_ahead = -0.5 * power * dt;
     }
 
     /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies
@@ -412,6 +413,7 @@ impl Engine {
         // Lists must be built before the nodes move: each records the velocities that its contact will need.
         let released = impacts.iter_mut().filter(|impact| !impact.is_held());
         let records = released.map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body)).collect();
+        let earlier = (self.loads.damping > 0.0).then(|| nodes.velocity.clone());
         let kick = Kick::new(over, self.loads.damping);
         let integration = nodes.integration(kick, dt, self.loads.film_gravity(), records);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
@@ -425,12 +427,12 @@ impl Engine {
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
         if self.clamp.as_mut().is_some_and(|clamp| clamp.advance(&mut self.nodes)) {
             // Film that nothing holds any more snaps back as torn film does.
-            self.time_step.tear();
+            self.progress.time_step.tear();
         }
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
-        let fastest = fastest.max(self.resolve_contact(over, dt, &mut sums));
+        let fastest = fastest.max(self.resolve_contact([over, dt], earlier.as_ref(), &mut sums));
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
-        self.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
+        self.progress.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
         fastest
     }
 
@@ -439,8 +441,8 @@ impl Engine {
         let Some(mut clamp) = self.clamp.take() else { return Clamping::default() };
         let clamping = clamp.predict(&self.nodes, self.bars(), self.loads.film_gravity(), [over, dt]);
         self.clamp = Some(clamp);
-        self.ledger.clamp += clamping.loss;
-        self.ledger.clamp_ahead = clamping.ahead;
+        self.progress.ledger.clamp += clamping.loss;
+        self.progress.ledger.clamp_ahead = clamping.ahead;
         clamping
     }
 
@@ -466,10 +468,10 @@ impl Engine {
             Some((frame, impactors)) if self.bars().is_some() => (impactors, Some(*frame)),
             _ => (bodies.as_slice(), None),
         };
-        let track = Track { time: self.time, dt, bodies, frame, jaw_force };
+        let track = Track { time: self.progress.time, dt, bodies, frame, jaw_force };
         observer.track(&track);
-        self.time += dt;
-        self.steps += 1;
+        self.progress.time += dt;
+        self.progress.steps += 1;
     }
 
     /// Mean force of the computed part of film on the jaws along x, N.
@@ -482,24 +484,13 @@ impl Engine {
     /// The state that observers see.
     fn view(&self) -> View<'_> {
         View {
-            time: self.time,
-            steps: self.steps,
+            time: self.progress.time,
+            steps: self.progress.steps,
             films: &self.films,
             nodes: &self.nodes,
-            impacts: &self.impacts,
-            loads: &self.loads,
-            film_contact: self.film_contact.as_ref(),
-            clamp: self.clamp.as_ref(),
-            springs: self.springs.as_ref(),
-            cushion: self.cushion,
-            inflated: self
-                .inflated
-                .map(|now| [now.pressure, self.loads.multiplicity * (now.volume - self.flat_volume)]),
-            ledger: self.ledger,
-            previous: &self.previous,
-            too_wide: self.too_wide,
-            returned: self.returned,
-            pool: &self.pool,
+            too_wide: self.progress.too_wide,
+            returned: self.progress.returned,
+            engine: self,
         }
     }
 }

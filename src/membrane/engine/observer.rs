@@ -4,15 +4,12 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::clamp::Clamp;
-use super::cushion::CushionState;
-use super::film_contact::{FilmContact, FilmContactState};
+use super::film_contact::FilmContactState;
 use super::impact::Impact;
 use super::nodes::{Nodes, Vectors};
 use super::rigid_body::RigidBody;
 use super::springs::{SpringLoad, Springs, SpringsState};
-use super::thread_pool::ThreadPool;
-use super::{ContactState, ElementStrain, EnergyLedger, Engine, Fault, Film, Loads, TooWide, Torn, film};
+use super::{ContactState, ElementStrain, Engine, Fault, Film, Progress, TooWide, Torn, film};
 
 /// Follows a run without changing it.
 pub trait Observer {
@@ -117,52 +114,45 @@ pub struct View<'a> {
     pub films: &'a [Film],
     /// Nodes: positions and forces at `time`, velocities half a step after it.
     pub nodes: &'a Nodes,
-    pub(super) impacts: &'a [Impact],
-    pub(super) film_contact: Option<&'a FilmContact>,
-    pub(super) clamp: Option<&'a Clamp>,
-    pub(super) springs: Option<&'a Springs>,
-    pub(super) loads: &'a Loads,
-    pub(super) cushion: Option<CushionState>,
-    pub(super) inflated: Option<[f64; 2]>,
-    pub(super) ledger: EnergyLedger,
-    pub(super) previous: &'a PreviousStep,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.
     pub too_wide: Option<TooWide>,
     /// Share of the work done on film around the tip of a tear that it would have returned where, for the first time, all work
     /// would have sufficed for the tear and that share did not.
     pub returned: Option<f64>,
-    pub(super) pool: &'a ThreadPool,
+    pub(super) engine: &'a Engine,
 }
 
 impl View<'_> {
     /// The energy balance at this step.
     pub fn energies(&self) -> Energies {
-        let multiplicity = self.loads.multiplicity;
-        let (g, of_film) = (self.loads.gravity, self.loads.film_gravity());
+        let Engine { progress: Progress { ledger, .. }, loads, previous, springs, impacts, film_contact, pool, .. } =
+            self.engine;
+        let multiplicity = loads.multiplicity;
+        let (g, of_film) = (loads.gravity, loads.film_gravity());
         let mut out = Energies {
-            rupture: self.ledger.rupture,
-            absorbed: self.ledger.absorbed,
-            guide: self.ledger.guide - self.ledger.guide_ahead,
-            collision: self.ledger.collision - self.ledger.collision_ahead,
-            clamp: self.ledger.clamp - self.ledger.clamp_ahead,
-            springs: self.springs.map_or(0.0, |springs| springs.stored(self.nodes)),
-            damping: self.ledger.damping,
-            external: self.ledger.external - self.ledger.external_ahead,
+            rupture: ledger.rupture,
+            absorbed: ledger.absorbed,
+            guide: ledger.guide - ledger.guide_ahead,
+            collision: ledger.collision - ledger.collision_ahead,
+            clamp: ledger.clamp - ledger.clamp_ahead,
+            springs: springs.as_ref().map_or(0.0, |springs| springs.stored(self.nodes)),
+            damping: ledger.damping,
+            external: ledger.external - ledger.external_ahead,
             ..Energies::default()
         };
-        for energy in film::energies(self.films, self.pool, self.nodes.position.axes()) {
+        for energy in film::energies(self.films, pool, self.nodes.position.axes()) {
             out.stored += multiplicity * energy.stored;
             out.absorbed += multiplicity * energy.absorbed;
             out.hourglass += multiplicity * energy.hourglass;
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity.value_at(n), self.previous.velocity.value_at(n));
+            let (v, u) = (self.nodes.velocity.value_at(n), previous.velocity.value_at(n));
             // Product of both half steps, not the square of their mean: this is what central differences conserve
             // (theory.md, equation 23).
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
             out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
         }
-        for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&self.previous.bodies) {
+        for (Impact { body, contact, .. }, before) in impacts.iter().zip(&previous.bodies) {
             out.kinetic_impactor += body.kinetic_energy(before);
             out.potential += body.potential_energy(g);
             out.contact += contact.work.impact_loss;
@@ -172,7 +162,7 @@ impl View<'_> {
                 out.external -= contact.work.on_film - contact.work.ahead;
             }
         }
-        if let Some(contact) = &self.film_contact {
+        if let Some(contact) = film_contact {
             out.contact += contact.history.work.impact_loss;
             out.friction += contact.history.work.friction_loss;
         }
@@ -181,56 +171,57 @@ impl View<'_> {
 
     /// Strains of every element of each face, quads first, into `out`.
     pub fn strains(&self, out: &mut Vec<Vec<ElementStrain>>) {
-        film::strains(self.films, self.pool, self.nodes.position.axes(), out);
+        film::strains(self.films, &self.engine.pool, self.nodes.position.axes(), out);
     }
 
     /// Velocity of a node at this step, m/s: the mean of those half a step before and after.
     pub fn velocity(&self, node: usize) -> [f64; 3] {
-        let (before, after) = (self.previous.velocity.value_at(node), self.nodes.velocity.value_at(node));
+        let (before, after) = (self.engine.previous.velocity.value_at(node), self.nodes.velocity.value_at(node));
         [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
     }
 
     /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not
     /// computed.
     pub fn cushion_pressure(&self) -> Option<f64> {
-        self.cushion.map(|cushion| cushion.pressure)
+        self.engine.progress.cushion.map(|cushion| cushion.pressure)
     }
 
     /// Pressure under the last film (Pa) and the volume between it and where it was mounted, of the whole film (m³);
     /// none where it is not inflated.
     pub fn inflated(&self) -> Option<[f64; 2]> {
-        self.inflated
+        let Engine { progress, flat_volume, loads, .. } = self.engine;
+        progress.inflated.map(|now| [now.pressure, loads.multiplicity * (now.volume - flat_volume)])
     }
 
     /// State of contact between faces, where it is computed.
     pub fn film_contact_state(&self) -> Option<FilmContactState> {
-        Some(self.film_contact?.state(self.nodes, self.pool))
+        Some(self.engine.film_contact.as_ref()?.state(self.nodes, &self.engine.pool))
     }
 
     /// Largest slip in the frame's clamp (m) and the share of its force that holds film no longer, where film may slip.
     pub fn clamp_slip(&self) -> Option<[f64; 2]> {
-        self.clamp.map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
+        self.engine.clamp.as_ref().map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
     }
 
     /// State of the frame's springs, where film hangs on them.
     pub fn springs_state(&self) -> Option<SpringsState> {
-        self.springs.map(|springs| springs.state(self.nodes))
+        self.engine.springs.as_ref().map(|springs| springs.state(self.nodes))
     }
 
     /// Loads of the frame's springs at some nodes, in the order of their numbers; none where film does not hang on springs.
     pub fn spring_loads(&self, at: &Range<usize>) -> Vec<SpringLoad> {
-        self.springs.map_or_else(Vec::new, |springs| springs.loads(self.nodes, at))
+        self.engine.springs.as_ref().map_or_else(Vec::new, |springs| springs.loads(self.nodes, at))
     }
 
     /// Vertical force on the frame of the springs on which film hangs, N, positive downwards; none where there are none.
     pub fn spring_force(&self) -> Option<f64> {
-        self.springs.map(Springs::vertical_force)
+        self.engine.springs.as_ref().map(Springs::vertical_force)
     }
 
     /// Force on the frame along an axis of the springs of these numbers, N, without mirror images; none where film does
     /// not hang on springs.
     pub fn spring_force_of(&self, numbers: &[usize], axis: usize) -> Option<f64> {
-        self.springs.map(|springs| springs.frame_force(numbers.iter().copied(), axis))
+        self.engine.springs.as_ref().map(|springs| springs.frame_force(numbers.iter().copied(), axis))
     }
 
     /// Tears of the whole film so far; none where no face has a rupture criterion of its own.
@@ -239,14 +230,14 @@ impl View<'_> {
         for film in self.films.iter().filter(|film| film.has_rupture()) {
             total.add(&film.torn());
         }
-        let copies = self.loads.multiplicity;
+        let copies = self.engine.loads.multiplicity;
         let whole = Torn { length: copies * total.length, area: copies * total.area, energy: copies * total.energy };
         self.films.iter().any(Film::has_rupture).then_some(whole)
     }
 
     /// The impactors, and after them the frame's bars, their velocities half a step after `time`.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = &RigidBody> {
-        self.impacts.iter().map(|impact| &impact.body)
+        self.engine.impacts.iter().map(|impact| &impact.body)
     }
 
     /// State of contact of each impactor, and after them of the frame's bars, and half the smallest extent of each, m;
@@ -254,13 +245,14 @@ impl View<'_> {
     pub fn contact_states(&self) -> impl Iterator<Item = (ContactState, f64)> {
         let state =
             |Impact { body, contact, .. }: &Impact| (contact.state(self.nodes, &body.pose), contact.surface().size());
-        self.impacts.iter().map(state)
+        self.engine.impacts.iter().map(state)
     }
 
     /// Nodes in contact with an impactor or the frame's bars in this step.
     pub fn nodes_in_contact(&self) -> Vec<usize> {
-        let mut nodes: Vec<usize> = self.impacts.iter().flat_map(|impact| impact.contact.nodes_in_contact()).collect();
-        if self.impacts.len() > 1 {
+        let mut nodes: Vec<usize> =
+            self.engine.impacts.iter().flat_map(|impact| impact.contact.nodes_in_contact()).collect();
+        if self.engine.impacts.len() > 1 {
             nodes.sort_unstable();
             nodes.dedup();
         }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film_contact::FilmContact;
 use super::nodes::RelaxationStep;
-use super::{EnergyLedger, Engine, Fault, Film, Impact, Vectors, film};
+use super::{EnergyLedger, Engine, Fault, Film, Impact, Progress, Vectors, film};
 
 /// Residual below which film counts as mounted in equilibrium.
 const MOUNTED: f64 = 1e-3;
@@ -112,7 +112,7 @@ impl Engine {
         let mut residual = self.residual(wanted);
         if let Some(face) = self.face_without_forces() {
             // A first step would carry it to the impactor and blame that.
-            let (time, has_limit) = (self.time, self.films[face].has_limit());
+            let (time, has_limit) = (self.progress.time, self.films[face].has_limit());
             let face = face + 1;
             return Err(if has_limit { Fault::StretchLimit { time, face } } else { Fault::FilmLost { time, face } });
         }
@@ -125,7 +125,7 @@ impl Engine {
         let ranges: Vec<Range<usize>> = chosen(&self.films, wanted).map(|film| film.nodes.clone()).collect();
         let (mut steps, mut kinetic, mut at_rest, mut lightness) = (0, 0.0, true, 1.0);
         while steps < MOST_STEPS && proceed(Settling { residual, tolerance: TOLERANCE, steps }) {
-            let (last, dt) = self.time_step.next(&self.films, &self.nodes, &self.pool, self.time)?;
+            let (last, dt) = self.progress.time_step.next(&self.films, &self.nodes, &self.pool, self.progress.time)?;
             if at_rest {
                 residual = self.residual(wanted);
                 if residual <= TOLERANCE {
@@ -260,7 +260,7 @@ impl Engine {
     /// Sum of squares of the nodal forces of `film` under a strain of [`ROUND_OFF`], N²: mass over the square of the
     /// step is a stiffness, and the root of a node's area a length.
     fn squared_round_off(&self, film: &Film) -> f64 {
-        let per_strain = ROUND_OFF / self.time_step.now().powi(2);
+        let per_strain = ROUND_OFF / self.progress.time_step.now().powi(2);
         let force = |mass: &f64| per_strain * mass * (mass / (film.density() * film.thickness)).sqrt();
         self.nodes.mass[film.nodes.clone()].iter().map(|mass| force(mass).powi(2)).sum()
     }
@@ -269,15 +269,14 @@ impl Engine {
     fn start_from_here(&mut self) {
         self.films.iter_mut().for_each(Film::reset);
         self.nodes.clear_forces();
-        self.ledger = EnergyLedger::default();
-        self.inflated = None;
-        self.cushion = None;
+        let Progress { ledger, inflated, cushion, .. } = &mut self.progress;
+        (*ledger, *inflated, *cushion) = (EnergyLedger::default(), None, None);
         self.failed = 0;
         self.forces(0.0);
         self.nodes.clear_forces();
         self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());
         self.film_contact.iter_mut().for_each(FilmContact::invalidate);
-        self.time_step = self.first_time_step();
+        self.progress.time_step = self.first_time_step();
     }
 }
 

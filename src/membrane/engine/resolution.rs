@@ -1,11 +1,13 @@
 //! The impactors in a step: their release, their contact with the film and with each other (theory.md, section 6) and its
 //! place in the energy ledger, their motion.
 
+use nalgebra::Vector3;
+
 use super::collision::Collisions;
 use super::contact::{Contact, Impulse};
 use super::film_contact::FilmContact;
 use super::impact::Impact;
-use super::nodes::{Nodes, StepSums};
+use super::nodes::{Nodes, StepSums, Vectors};
 use super::rigid_body::RigidBody;
 use super::thread_pool::ThreadPool;
 use super::{BodyTrack, Engine, Fault, collision};
@@ -162,6 +164,18 @@ fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) ->
     Pinch::Pressed
 }
 
+/// What contact changes in the work of mass-proportional damping, kg m²/s²: m v̄·½Δv with the mean `v̄` of the velocities
+/// `earlier` than the step and as `predicted` and the change `Δv` by contact. The damping force is that of the predictor,
+/// but its work is done along the corrected motion.
+fn damping_correction(nodes: &Nodes, earlier: &Vectors, predicted: &Vectors) -> f64 {
+    let of = |n: usize| {
+        let [earlier, predicted, after] =
+            [earlier, predicted, &nodes.velocity].map(|all| Vector3::from(all.value_at(n)));
+        0.25 * nodes.mass[n] * (after - predicted).dot(&(earlier + predicted))
+    };
+    (0..nodes.mass.len()).map(of).sum()
+}
+
 impl Engine {
     /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs
     /// that `are_looked_at`.
@@ -177,10 +191,10 @@ impl Engine {
     /// Releases the impactors whose time has come; the work of what launches them is external.
     pub(super) fn release(&mut self) -> Result<(), Fault> {
         for k in 0..self.impacts.len() {
-            if !self.impacts[k].is_due(self.time) {
+            if !self.impacts[k].is_due(self.progress.time) {
                 continue;
             }
-            let (impact, impactor, time) = (&self.impacts[k], k + 1, self.time);
+            let (impact, impactor, time) = (&self.impacts[k], k + 1, self.progress.time);
             let gap = impact.contact.smallest_gap(&self.nodes, &impact.body.pose);
             if gap < -collision::TOUCH * impact.contact.surface().size() {
                 return Err(Fault::ReleasedInFilm { time, impactor, depth: -gap });
@@ -195,56 +209,46 @@ impl Engine {
             }
             let impact = &mut self.impacts[k];
             impact.release();
-            self.ledger.external -= impact.body.kinetic_energy(&impact.body);
+            self.progress.ledger.external -= impact.body.kinetic_energy(&impact.body);
         }
         Ok(())
     }
 
-    /// Kicks the bodies, resolves their contact and adds its losses to the ledger and to `sums`. Returns the largest
-    /// speed of a node in contact, m/s.
-    pub(super) fn resolve_contact(&mut self, over: f64, dt: f64, sums: &mut StepSums) -> f64 {
+    /// Kicks the bodies and resolves their contact in a step in which forces act `over` (s) and nodes move on for `dt` (s),
+    /// and adds its losses to the ledger and to `sums`; with damping, nodes moved at `earlier` (m/s) before the step.
+    /// Returns the largest speed of a node in contact, m/s.
+    pub(super) fn resolve_contact(
+        &mut self,
+        [over, dt]: [f64; 2],
+        earlier: Option<&Vectors>,
+        sums: &mut StepSums,
+    ) -> f64 {
         // Before the kick: works take the mean of the velocities on both sides of the full step.
         let before: Vec<RigidBody> = self.impacts.iter().map(|impact| impact.body.clone()).collect();
-        let damped = self.loads.damping > 0.0;
+        let predicted = earlier.map(|_| self.nodes.velocity.clone());
         let between = &mut self.film_contact;
-        between
-            .iter_mut()
-            // Only damping needs them: its force is that of the predictor, its work is done along the corrected motion.
-            .filter(|between| damped && between.is_near())
-            .for_each(|between| between.record_prediction(&self.nodes));
-        for impact in &mut self.impacts {
-            impact.kick([over, dt], self.loads.gravity);
-            if damped && !impact.is_held() {
-                impact.contact.record_prediction(&self.nodes);
-            }
-        }
+        self.impacts.iter_mut().for_each(|impact| impact.kick([over, dt], self.loads.gravity));
         let nodes = &mut self.nodes;
         let resolved = resolve(&mut self.impacts, &before, nodes, [over, dt], &self.pool, between.as_mut());
-        self.ledger.guide_ahead = 0.0;
+        self.progress.ledger.guide_ahead = 0.0;
         for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&before) {
             let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
                 [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
             });
-            self.ledger.guide += work[0] + work[1];
-            self.ledger.guide_ahead += work[1];
+            self.progress.ledger.guide += work[0] + work[1];
+            self.progress.ledger.guide_ahead += work[1];
         }
         let [collision, ahead] = resolved.collisions;
-        self.ledger.collision += collision;
-        self.ledger.collision_ahead = ahead;
+        self.progress.ledger.collision += collision;
+        self.progress.ledger.collision_ahead = ahead;
+        let mut fastest = resolved.fastest;
         if let Some(between) = between.as_mut().filter(|between| between.is_near()) {
-            let fastest = resolved.fastest.max(between.finish(nodes, dt));
-            if damped {
-                sums.damped += between.damping_correction(nodes);
-            }
-            return fastest;
+            fastest = fastest.max(between.finish(nodes, dt));
         }
-        for (place, impact) in self.impacts.iter().enumerate().filter(|(_, impact)| damped && !impact.is_held()) {
-            let earlier = self.impacts[..place].iter().filter(|other| !other.is_held());
-            // A node that two bodies list changes its velocity once.
-            let is_counted = |node| earlier.clone().any(|other| other.contact.lists(node));
-            sums.damped += impact.contact.damping_correction(&self.nodes, is_counted);
+        if let (Some(earlier), Some(predicted)) = (earlier, predicted) {
+            sums.damped += damping_correction(nodes, earlier, &predicted);
         }
-        resolved.fastest
+        fastest
     }
 
     /// The impactors at the full step, with the velocities that follow it.

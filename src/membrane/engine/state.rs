@@ -3,25 +3,14 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::cushion::CushionState;
 use super::film_contact::FilmContactHistory;
 use super::impact::ImpactState;
-use super::pressure::Inflated;
-use super::{Clamp, EnergyLedger, Engine, Film, TimeStep, TooWide, Vectors};
+use super::{Clamp, Engine, Film, Progress, Vectors};
 
 /// State of an engine between two steps. Forces are left out: they follow from the rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
-    /// s.
-    pub time: f64,
-    /// Steps so far.
-    pub steps: u64,
-    time_step: TimeStep,
-    ledger: EnergyLedger,
-    inflated: Option<Inflated>,
-    cushion: Option<CushionState>,
-    too_wide: Option<TooWide>,
-    returned: Option<f64>,
+    progress: Progress,
     position: Vectors,
     velocity: Vectors,
     /// History variables of the elements of each face.
@@ -43,20 +32,24 @@ pub struct StateMismatch {
     pub expected: usize,
 }
 
+impl State {
+    /// Time of the full step, s.
+    pub fn time(&self) -> f64 {
+        self.progress.time
+    }
+
+    /// Steps so far.
+    pub fn steps(&self) -> u64 {
+        self.progress.steps
+    }
+}
+
 impl Engine {
     /// The state after the last step.
     pub fn state(&self) -> State {
-        let Engine { films, nodes, impacts, film_contact, time_step, time, steps, ledger, inflated, cushion, .. } =
-            self;
+        let Engine { films, nodes, impacts, film_contact, progress, .. } = self;
         State {
-            time: *time,
-            steps: *steps,
-            time_step: time_step.clone(),
-            ledger: *ledger,
-            inflated: *inflated,
-            cushion: *cushion,
-            too_wide: self.too_wide,
-            returned: self.returned,
+            progress: progress.clone(),
             position: nodes.position.clone(),
             velocity: nodes.velocity.clone(),
             films: films.iter().map(Film::save).collect(),
@@ -74,15 +67,9 @@ impl Engine {
     pub fn restore(&mut self, state: State) -> Result<(), StateMismatch> {
         // All checks before any change: a refused state must leave the engine as it was.
         self.check(&state)?;
-        self.time = state.time;
-        self.steps = state.steps;
         // With its countdown to the next update: the step that follows must be the same to the bit.
-        self.time_step.restore(state.time_step);
-        self.ledger = state.ledger;
-        self.inflated = state.inflated;
-        self.cushion = state.cushion;
-        self.too_wide = state.too_wide;
-        self.returned = state.returned;
+        let time_step = self.progress.time_step.restored(state.progress.time_step);
+        self.progress = Progress { time_step, ..state.progress };
         self.failed = 0;
         self.nodes.position = state.position;
         self.nodes.velocity = state.velocity;
@@ -102,7 +89,7 @@ impl Engine {
 
     fn check(&self, state: &State) -> Result<(), StateMismatch> {
         // A run that cannot advance would never end.
-        same("times", usize::from(self.time_step.precedes(&state.time_step, state.time)), 1)?;
+        same("times", usize::from(self.progress.time_step.precedes(&state.progress)), 1)?;
         let nodes = self.nodes.mass.len();
         for vectors in [&state.position, &state.velocity] {
             // A damaged file may have axes of different lengths, which would pass by the length of one.
@@ -113,11 +100,11 @@ impl Engine {
             same("history variables", history.len(), film.variables())?;
         }
         same("impactors", state.impacts.len(), self.impacts.len())?;
-        let listed = state.impacts.iter().all(|impact| impact.contact.fits(nodes));
+        let listed = state.impacts.iter().all(|impact| impact.contact.0.fits(nodes));
         same("lists of neighbours", usize::from(listed), 1)?;
         let (found, expected) = (&state.film_contact, &self.film_contact);
         same("contacts between faces", usize::from(found.is_some()), usize::from(expected.is_some()))?;
-        let tracked = found.as_ref().zip(expected.as_ref()).is_none_or(|(history, contact)| history.fits(contact));
+        let tracked = found.as_ref().zip(expected.as_ref()).is_none_or(|(history, contact)| contact.fits(history));
         same("lists of near faces", usize::from(tracked), 1)?;
         let clamped = state.clamp.as_ref().map(Vec::len) == self.clamp.as_ref().map(Clamp::len);
         same("clamps", usize::from(clamped), 1)

@@ -6,7 +6,7 @@ use super::cushion::Enclosed;
 use super::film::{self, AddedMass, Film};
 use super::nodes::Nodes;
 use super::thread_pool::ThreadPool;
-use super::{Fault, Loads};
+use super::{Fault, Loads, Progress};
 
 /// Share of the stability limit that is used.
 const SAFETY: f64 = 0.9;
@@ -72,14 +72,13 @@ impl TimeStep {
         step
     }
 
-    /// Restores `saved`, of the same model.
-    pub(super) fn restore(&mut self, saved: TimeStep) {
-        *self = TimeStep { damping: self.damping, factor: self.factor, ..saved };
+    /// The step as `saved`, of the same model.
+    pub(super) fn restored(&self, saved: TimeStep) -> TimeStep {
+        TimeStep { damping: self.damping, factor: self.factor, ..saved }
     }
 
-    /// Whether a run of the same model may have been at `saved` at `time` (s): it goes on from there, and bounds its steps
-    /// again soon.
-    pub(super) fn precedes(&self, saved: &TimeStep, time: f64) -> bool {
+    /// Whether a run of the same model may have come so far: it goes on from there, and bounds its steps again soon.
+    pub(super) fn precedes(&self, Progress { time_step: saved, time, .. }: &Progress) -> bool {
         let possible = COLLAPSE * saved.first..=CEILING * saved.first;
         // That of settled film is another than that of mounted film, but no other magnitude.
         let is_bounded = (COLLAPSE * self.first..=self.first / COLLAPSE).contains(&saved.first)
@@ -88,7 +87,7 @@ impl TimeStep {
             && saved.on_supports >= 0.0
             && saved.on_supports.is_finite()
             && saved.until_update <= INTERVAL.0;
-        is_bounded && time >= 0.0 && time + saved.now.min(saved.target) > time
+        is_bounded && *time >= 0.0 && time + saved.now.min(saved.target) > *time
     }
 
     /// The present step, s.
@@ -168,9 +167,11 @@ mod tests {
     fn only_steps_that_advance_are_restored() {
         let step =
             TimeStep { safety: SAFETY, first: 1e-6, now: 1e-6, target: 2e-6, until_update: 3, ..TimeStep::default() };
-        assert!(step.precedes(&step, 0.0) && step.precedes(&step, 0.25));
+        let at =
+            |time_step: &TimeStep, time: f64| Progress { time_step: time_step.clone(), time, ..Progress::default() };
+        assert!(step.precedes(&at(&step, 0.0)) && step.precedes(&at(&step, 0.25)));
         for time in [-1e-3, 1e300, f64::INFINITY, f64::NAN] {
-            assert!(!step.precedes(&step, time), "{time}");
+            assert!(!step.precedes(&at(&step, time)), "{time}");
         }
         for forged in [
             TimeStep { now: 0.0, ..step.clone() },
@@ -181,7 +182,7 @@ mod tests {
             TimeStep { safety: -1.0, ..step.clone() },
             TimeStep { until_update: u32::MAX, ..step.clone() },
         ] {
-            assert!(!step.precedes(&forged, 0.25), "{forged:?}");
+            assert!(!step.precedes(&at(&forged, 0.25)), "{forged:?}");
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Points of film, or differences of two, as sums of four nodes with weights: what contact constrains.
+//! What contact constrains: points of film, or differences of two, as sums of four nodes with weights; and the impulse that a
+//! contact accumulates.
 
 use nalgebra::Vector3;
 
@@ -121,10 +122,70 @@ fn held_axes([x, y, z]: [f64; 3]) -> u16 {
     u16::from(x == 0.0) | u16::from(y == 0.0) << 1 | u16::from(z == 0.0) << 2
 }
 
-/// The tangential impulse within Coulomb's cone: `sticking` (N s), which would stop the slip, or what of it is within
-/// the `bound` (N s).
-#[inline(always)]
-pub(super) fn within_cone(sticking: Vector3<f64>, bound: f64) -> Vector3<f64> {
-    let size = sticking.norm();
-    if size <= bound { sticking } else { sticking * (bound / size) }
+/// Impulse of a contact, accumulated over the sweeps of a step: compressive along its normal, within Coulomb's cone across
+/// it. Its sum is clamped, not its changes: a later contact may take back what this one pushed too much, but never pull.
+#[derive(Clone, Debug)]
+pub(super) struct ContactImpulse {
+    /// Unit vector along which the contact pushes.
+    pub(super) normal: Vector3<f64>,
+    /// Along the normal, N s.
+    pub(super) pressing: f64,
+    /// Across the normal, N s.
+    pub(super) dragging: Vector3<f64>,
+    /// The part by which nodes have been moved already, N s.
+    moved: Vector3<f64>,
+}
+
+impl ContactImpulse {
+    /// None so far, along `normal`.
+    #[inline(always)]
+    pub(super) fn none(normal: Vector3<f64>) -> ContactImpulse {
+        ContactImpulse { normal, pressing: 0.0, dragging: Vector3::zeros(), moved: Vector3::zeros() }
+    }
+
+    /// An impulse of the parts `pressed` and `dragging` (N s) that has moved the nodes already.
+    pub(super) fn acted(pressed: Vector3<f64>, dragging: Vector3<f64>) -> ContactImpulse {
+        let pressing = pressed.norm();
+        ContactImpulse { normal: pressed / pressing, pressing, dragging, moved: pressed + dragging }
+    }
+
+    /// N s.
+    #[inline(always)]
+    pub(super) fn total(&self) -> Vector3<f64> {
+        self.normal * self.pressing + self.dragging
+    }
+
+    /// Whether it presses.
+    pub(super) fn is_active(&self) -> bool {
+        self.pressing > 0.0
+    }
+
+    /// Adds `change` (N s) to the normal part, as far as that stays compressive. Returns the change that it took.
+    #[inline(always)]
+    pub(super) fn press(&mut self, change: f64) -> f64 {
+        let pressing = (self.pressing + change).max(0.0);
+        let change = pressing - self.pressing;
+        self.pressing = pressing;
+        change
+    }
+
+    /// Takes `slip` (N s) from the tangential part, the impulse of what slips, as far as that stays within the cone of
+    /// `friction`. Returns the change that it took.
+    #[inline(always)]
+    pub(super) fn drag(&mut self, slip: Vector3<f64>, friction: f64) -> Vector3<f64> {
+        let sticking = self.dragging - slip;
+        let (size, bound) = (sticking.norm(), friction * self.pressing);
+        let dragging = if size <= bound { sticking } else { sticking * (bound / size) };
+        let change = dragging - self.dragging;
+        self.dragging = dragging;
+        change
+    }
+
+    /// Moves the nodes of `points` by the change of their velocity since the last call times `dt` (s).
+    #[inline]
+    pub(super) fn move_nodes(&mut self, points: &WeightedNodes, position: &mut Vectors, dt: f64) {
+        let total = self.total();
+        points.apply(&((total - self.moved) * dt), position);
+        self.moved = total;
+    }
 }

@@ -287,19 +287,19 @@ impl<'a> Checkpoint<'a> {
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.engine.time
+        self.engine.time()
     }
 
     /// Steps so far.
     pub fn steps(&self) -> u64 {
-        self.engine.steps
+        self.engine.steps()
     }
 }
 
 impl Restart {
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.engine.time
+        self.engine.time()
     }
 
     /// Restores `engine` and `probe`, newly built from the same model, to the state of the checkpoint.

@@ -11,7 +11,7 @@ use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::rigid_body::RigidBody;
 use crate::engine::thread_pool::ThreadPool;
-use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
+use crate::engine::weighted_nodes::{ContactImpulse, WeightedNodes};
 
 /// Share of a penetration beyond the allowed one that is recovered in one step, so that an element which is already too
 /// deep when it is listed does not gain velocity.
@@ -36,18 +36,12 @@ const FOLLOWED: f64 = 0.02;
 /// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
 pub(super) struct Constraint {
     film: WeightedNodes,
-    normal: Vector3<f64>,
+    impulse: ContactImpulse,
     arm: Vector3<f64>,
     /// Relative velocity per impulse, 1/kg.
     inverse_effective_mass: f64,
     /// Least normal velocity over the surface, m/s.
     target: f64,
-    /// Sum over the sweeps, N s.
-    normal_impulse: f64,
-    /// Sum over the sweeps, N s.
-    tangential_impulse: Vector3<f64>,
-    /// The part of the impulse by which the nodes have been moved already, N s.
-    moved: Vector3<f64>,
     /// Place of its element among the candidates, and corner from which the side of its triangle begins.
     source: Option<[usize; 2]>,
 }
@@ -72,54 +66,35 @@ impl Constraint {
         body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
     }
 
-    /// Sum over the sweeps, N s.
-    fn impulse(&self) -> Vector3<f64> {
-        self.normal * self.normal_impulse + self.tangential_impulse
-    }
-
     /// Starts with the `impulse` (N s) that the same point had in the last step.
     fn start_from(&mut self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
-        self.normal_impulse = impulse.dot(&self.normal).max(0.0);
-        if self.normal_impulse > 0.0 {
-            self.tangential_impulse = impulse - self.normal * impulse.dot(&self.normal);
-            self.apply(&self.impulse(), velocity, body, sweep);
+        let along = impulse.dot(&self.impulse.normal);
+        self.impulse.pressing = along.max(0.0);
+        if self.impulse.is_active() {
+            self.impulse.dragging = impulse - self.impulse.normal * along;
+            self.apply(&self.impulse.total(), velocity, body, sweep);
         }
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
     /// stays within Coulomb's cone. Returns the size of the change, N s.
     fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
-        // The sum over the sweeps is clamped, not its change: a later constraint may take back what this one pushed too
-        // much, but never pull (theory.md, section 6).
-        let violation = self.target - self.relative_velocity(velocity, body).dot(&self.normal);
-        let normal_impulse = (self.normal_impulse + violation / self.inverse_effective_mass).max(0.0);
-        let normal_change = normal_impulse - self.normal_impulse;
-        if normal_change != 0.0 {
-            self.apply(&(self.normal * normal_change), velocity, body, sweep);
-            self.normal_impulse = normal_impulse;
-        } else if normal_impulse == 0.0 {
+        let normal = self.impulse.normal;
+        let violation = self.target - self.relative_velocity(velocity, body).dot(&normal);
+        let pressed = self.impulse.press(violation / self.inverse_effective_mass);
+        if pressed != 0.0 {
+            self.apply(&(normal * pressed), velocity, body, sweep);
+        } else if self.impulse.pressing == 0.0 {
             return 0.0;
         }
         // Read again: where the normal impulse spins the body, it changes the slip.
         let relative = self.relative_velocity(velocity, body);
-        let slip = relative - self.normal * relative.dot(&self.normal);
+        let slip = relative - normal * relative.dot(&normal);
         // The response along the normal stands for that along the slip: it decides how fast the sweeps converge, not
         // where to.
-        let sticking = self.tangential_impulse - slip / self.inverse_effective_mass;
-        let pair = sweep.friction.pair(self.film.nodes[0] as usize);
-        let bound = sweep.friction.coefficient_of(pair) * normal_impulse;
-        let tangential_impulse = within_cone(sticking, bound);
-        let tangential_change = tangential_impulse - self.tangential_impulse;
-        self.apply(&tangential_change, velocity, body, sweep);
-        self.tangential_impulse = tangential_impulse;
-        normal_change.abs().max(tangential_change.norm())
-    }
-
-    /// Moves the nodes by the change of their velocity since the last call times `dt` (s).
-    fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
-        let impulse = self.impulse();
-        self.film.apply(&((impulse - self.moved) * dt), position);
-        self.moved = impulse;
+        let dragged = self.impulse.drag(slip / self.inverse_effective_mass, sweep.friction.at(self.film.nodes[0]));
+        self.apply(&dragged, velocity, body, sweep);
+        pressed.abs().max(dragged.norm())
     }
 
     /// The node, where it belongs to one.
@@ -132,8 +107,8 @@ impl Constraint {
         (0..4).filter(move |a| self.film.weights[*a] > 0.0).map(move |a| Impulse {
             node: self.film.nodes[a] as usize,
             arm: self.arm,
-            normal: self.normal * (self.normal_impulse * self.film.weights[a]),
-            tangential: self.tangential_impulse * self.film.weights[a],
+            normal: self.impulse.normal * (self.impulse.pressing * self.film.weights[a]),
+            tangential: self.impulse.dragging * self.film.weights[a],
         })
     }
 }
@@ -164,7 +139,7 @@ impl Contact {
             constraints.append(&mut faces);
             if self.sweep(nodes, body, (&pose, dt), pool, between, &mut followed, &mut constraints) {
                 // An impulse that a neighbour took over entirely has neither work nor a node in contact.
-                let active = constraints.drain(..).filter(|constraint| constraint.normal_impulse > 0.0);
+                let active = constraints.drain(..).filter(|constraint| constraint.impulse.is_active());
                 self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
             }
             constraints.clear();
@@ -243,7 +218,7 @@ impl Contact {
                 for constraint in constraints.iter_mut() {
                     let of_this = constraint.solve(&mut nodes.velocity, body, &sweep);
                     change = change.max(of_this);
-                    largest = largest.max(constraint.normal_impulse);
+                    largest = largest.max(constraint.impulse.pressing);
                     // Film on film converges by distances, as its own sweeps do, here over the distance of film from
                     // the surface.
                     if of_this > 0.0 && between.is_some() {
@@ -263,7 +238,9 @@ impl Contact {
             }
             // Positions follow only here: the sweeps need velocities alone, and `extend` looks for pairs at the new
             // positions.
-            constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
+            for Constraint { impulse, film, .. } in &mut *constraints {
+                impulse.move_nodes(film, &mut nodes.position, dt);
+            }
             let Some(between) = &mut between else { break };
             if !between.extend(nodes, dt, pool) {
                 break;
@@ -274,7 +251,7 @@ impl Contact {
             if let Some([place, side]) = constraint.source
                 && let Some(points) = followed.get_mut(place)
             {
-                points[side].force = (constraint.impulse() / dt).into();
+                points[side].force = (constraint.impulse.total() / dt).into();
                 self.neighbours.pushed.push(place as u32);
             }
         }
@@ -398,7 +375,7 @@ impl Contact {
             let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
             let mut constraint = self.node_constraint(&impulse, nodes, body);
             // `node_constraint` takes the size of the normal for an impulse that has already acted; this one has not.
-            (constraint.normal_impulse, constraint.moved) = (0.0, Vector3::zeros());
+            constraint.impulse = ContactImpulse::none(constraint.impulse.normal);
             // The node may still close its gap in this step; without it, it would be held at its distance.
             constraint.target -= gap / dt;
             constraints.push(constraint);
@@ -407,19 +384,16 @@ impl Contact {
 
     /// The constraint of a node contact, with its `impulse`.
     fn node_constraint(&self, impulse: &Impulse, nodes: &Nodes, body: &RigidBody) -> Constraint {
-        let normal_impulse = impulse.normal.norm();
-        let normal = impulse.normal / normal_impulse;
+        let acted = ContactImpulse::acted(impulse.normal, impulse.tangential);
+        let normal = acted.normal;
         let film = WeightedNodes::of_node(impulse.node as u32, nodes);
         let mut constraint = Constraint {
             film,
-            normal,
+            impulse: acted,
             arm: impulse.arm,
             inverse_effective_mass: 1.0 / nodes.mass[impulse.node]
                 + self.multiplicity * body.inverse_effective_mass(&normal, &impulse.arm),
             target: 0.0,
-            normal_impulse,
-            tangential_impulse: impulse.tangential,
-            moved: impulse.normal + impulse.tangential,
             source: None,
         };
         // After the corrector the node is exactly on the surface, so its present velocity is the least allowed one.
@@ -475,13 +449,10 @@ impl Contact {
             }
             let mut constraint = Constraint {
                 film,
-                normal,
+                impulse: ContactImpulse::none(normal),
                 arm,
                 inverse_effective_mass,
                 target: 0.0,
-                normal_impulse: 0.0,
-                tangential_impulse: Vector3::zeros(),
-                moved: Vector3::zeros(),
                 source: Some([place, side]),
             };
             let along = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);

@@ -1,11 +1,10 @@
-//! Impulses of a step: their friction, their sums and work, and their part in the work of mass-proportional damping.
+//! Impulses of a step: their friction, their sums and work.
 
 use std::ops::Add;
 
 use nalgebra::Vector3;
 
-use super::{Contact, Impulse, Work};
-use crate::engine::nodes::Nodes;
+use super::{Impulse, Work};
 use crate::engine::rigid_body::RigidBody;
 use crate::lane::{LANES, Lane, Lane3, cross, dot, lanes};
 
@@ -116,19 +115,12 @@ impl Work {
     }
 }
 
-/// The pair of surfaces that slip on each other at a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pair {
-    /// The body and the first face.
-    BodyOnFilm,
-    /// A further face and the one before it, through which the body presses on it.
-    FilmOnFilm,
-}
-
-/// Coefficient of each pair of surfaces.
+/// Coulomb's coefficients at the nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Friction {
+    /// Of the body and the first face.
     pub(super) body_on_film: f64,
+    /// Of a further face and the one before it, through which the body presses on it.
     film_on_film: f64,
     /// Number of nodes of the first face, which come first.
     first_face: usize,
@@ -145,45 +137,16 @@ impl Friction {
         Friction { film_on_film, first_face, ..self }
     }
 
-    /// The surfaces that slip at a node.
-    pub(super) fn pair(&self, node: usize) -> Pair {
-        if node < self.first_face { Pair::BodyOnFilm } else { Pair::FilmOnFilm }
-    }
-
-    /// Coefficient of a pair of surfaces.
-    pub(super) fn coefficient_of(&self, pair: Pair) -> f64 {
-        match pair {
-            Pair::BodyOnFilm => self.body_on_film,
-            Pair::FilmOnFilm => self.film_on_film,
-        }
+    /// Coefficient at a node.
+    #[inline(always)]
+    pub(super) fn at(&self, node: u32) -> f64 {
+        if (node as usize) < self.first_face { self.body_on_film } else { self.film_on_film }
     }
 
     /// Coefficient at each of some nodes.
     #[inline(always)]
     pub(super) fn lanes(&self, nodes: &[u32; LANES]) -> Lane {
-        lanes(|l| self.coefficient_of(self.pair(nodes[l] as usize)))
-    }
-}
-
-impl Contact {
-    /// Records the predicted velocities of the nodes that may get an impulse.
-    pub(in crate::engine) fn record_prediction(&mut self, nodes: &Nodes) {
-        self.predicted.clear();
-        self.predicted.extend(self.neighbours.impulse_nodes.iter().map(|n| nodes.velocity_of(*n as usize)));
-    }
-
-    /// Σ m v̄·½Δv with the mean `v̄` of the velocities before the step and of the predictor and the change `Δv` by the
-    /// corrector, kg m²/s²: the damping force is that of the predictor, but its work is done along the corrected
-    /// motion. Nodes that are `counted` elsewhere are left out.
-    pub(in crate::engine) fn damping_correction(&self, nodes: &Nodes, counted: impl Fn(u32) -> bool) -> f64 {
-        let of = |(n, predicted): (&u32, &Vector3<f64>)| {
-            let n = *n as usize;
-            0.25 * nodes.mass[n]
-                * (nodes.velocity_of(n) - predicted)
-                    .dot(&(Vector3::from(self.previous_velocity.value_at(n)) + predicted))
-        };
-        let own = self.neighbours.impulse_nodes.iter().zip(&self.predicted).filter(|(n, _)| !counted(**n));
-        own.map(of).sum()
+        lanes(|l| self.at(nodes[l]))
     }
 }
 
@@ -194,9 +157,8 @@ mod tests {
     #[test]
     fn further_faces_slip_on_film() {
         let one = Friction::of_body(0.3);
-        assert!((0..9).all(|node| one.pair(node) == Pair::BodyOnFilm));
+        assert!((0..9).all(|node| one.at(node) == 0.3));
         let two = one.with_faces(0.1, 4);
-        let coefficients = [3, 4].map(|node| two.coefficient_of(two.pair(node)));
-        assert_eq!(coefficients, [0.3, 0.1]);
+        assert_eq!([3, 4].map(|node| two.at(node)), [0.3, 0.1]);
     }
 }

@@ -57,8 +57,6 @@ pub struct Contact {
     nearest: Vec<Nearest>,
     /// Velocity of the nodes of the list half a step earlier, m/s.
     previous_velocity: Vectors,
-    /// Predicted velocity of each of the list's impulse nodes, m/s; with damping only.
-    predicted: Vec<Vector3<f64>>,
     /// Of each range of the neighbour list.
     contacts: Vec<NodeContacts>,
     /// Whether the impulse of each node was listed in the last step.
@@ -143,7 +141,6 @@ impl Contact {
             nearest: vec![Nearest::default(); if rounded.is_mesh() { nodes } else { 0 }],
             rounded,
             previous_velocity: Vectors::zero(nodes),
-            predicted: vec![],
             contacts: vec![],
             lists_impulses: false,
             work: Work::default(),

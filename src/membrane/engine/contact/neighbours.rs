@@ -20,7 +20,7 @@ const LONG_SKIN: f64 = 0.3;
 
 /// Nodes and elements within the skin around the impactor.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct NeighbourList {
+pub(in crate::engine) struct NeighbourList {
     /// Ascending.
     pub(super) nodes: Vec<u32>,
     /// Ranges of `nodes`, each a task of one thread, none of them on two faces.
@@ -209,7 +209,7 @@ impl NeighbourList {
     }
 
     /// Whether the list fits a scene of `nodes` nodes: ascending, without duplicates, no number out of range.
-    pub(super) fn fits(&self, nodes: usize) -> bool {
+    pub(in crate::engine) fn fits(&self, nodes: usize) -> bool {
         let corners = self.elements.iter().chain(&self.face_candidates).flat_map(|element| element.corners);
         let mut all = self.nodes.iter().copied().chain(corners);
         let candidates = self.face_candidates.len();
@@ -233,39 +233,22 @@ fn longest_line_squared(corners: &[u32], nodes: &Nodes) -> f64 {
     longest
 }
 
-/// History of contact: its state from step to step. The neighbour list is part of it: when it was built decides which
-/// elements are candidates for face contact until the next one.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct ContactHistory {
-    neighbours: NeighbourList,
-    /// At the nodes of the list, in its order; all others are zero.
-    normals: Vec<[f64; 3]>,
-    work: Work,
-}
-
-impl ContactHistory {
-    /// Whether it fits a scene of `nodes` nodes.
-    pub(in crate::engine) fn fits(&self, nodes: usize) -> bool {
-        self.neighbours.fits(nodes) && self.normals.len() == self.neighbours.nodes.len()
-    }
-}
+/// State of contact from step to step. The neighbour list is part of it: when it was built decides which elements are
+/// candidates for face contact until the next one.
+pub(crate) type ContactHistory = (NeighbourList, Work);
 
 impl Contact {
-    /// The history after the last step.
+    /// The state after the last step.
     pub(in crate::engine) fn save(&self) -> ContactHistory {
-        let normals = self.neighbours.nodes.iter().map(|n| self.normals[*n as usize].into()).collect();
-        ContactHistory { neighbours: self.neighbours.clone(), normals, work: self.work }
+        (self.neighbours.clone(), self.work)
     }
 
-    /// Restores the history of a scene of the same `films`.
-    pub(in crate::engine) fn restore(&mut self, history: ContactHistory, films: &[Film]) {
+    /// Restores the state of a scene of the same `films`.
+    pub(in crate::engine) fn restore(&mut self, (neighbours, work): ContactHistory, films: &[Film]) {
+        // Every step stores those of the list before it reads them.
         self.normals.fill(Vector3::zeros());
-        for (node, normal) in history.neighbours.nodes.iter().zip(&history.normals) {
-            self.normals[*node as usize] = Vector3::from(*normal);
-        }
-        self.neighbours = history.neighbours;
+        (self.neighbours, self.work) = (neighbours, work);
         self.rounded = self.surface.with_edges(self.neighbours.edge);
         self.neighbours.partition(films);
-        self.work = history.work;
     }
 }

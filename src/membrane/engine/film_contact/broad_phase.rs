@@ -86,7 +86,7 @@ impl FilmContact {
         let mut search = Search::new(films, &self.surface, &nodes.position, self.reach);
         let mut changed = vec![];
         for (face, film) in films.iter().enumerate() {
-            for (side, tracking) in self.tracking.iter_mut().enumerate() {
+            for (side, tracking) in self.history.tracking.iter_mut().enumerate() {
                 let others: Vec<usize> = match side {
                     // From the next face outwards, so that the first one found is that which lies between.
                     0 => (0..face).rev().filter(|other| search.may_meet(face, *other)).collect(),
@@ -126,7 +126,7 @@ impl FilmContact {
                     let same_face = followed != NONE && self.surface.face_of(followed) == other;
                     // A side is that with respect to one face; towards another one it is decided by where the node is
                     // now.
-                    let kept = if same_face { tracking.sign[node] } else { 0.0 };
+                    let kept = if same_face { tracking.pairs.sign[node] } else { 0.0 };
                     let sign = match (foot.is_over, kept != 0.0) {
                         (true, true) => kept,
                         (true, false) => 1.0_f64.copysign(foot.distance),
@@ -134,18 +134,19 @@ impl FilmContact {
                     };
                     let thickness = self.half[face] + self.half[other];
                     // Crossings of the edges around both triangles depend on it.
-                    if foot.triangle != followed || sign != tracking.sign[node] {
+                    if foot.triangle != followed || sign != tracking.pairs.sign[node] {
                         changed.push((node as u32, foot.triangle));
                         changed.extend((followed != NONE).then_some((node as u32, followed)));
                     }
                     tracking.follow(node, foot.triangle, sign, &self.surface);
-                    tracking.bound[node] = (1.0 - super::SLOP) * thickness;
+                    tracking.pairs.bound[node] = (1.0 - super::SLOP) * thickness;
                 }
             }
         }
         // A node farther than `reach` is as near as allowed only once film has moved by the rest.
         self.history.margin = self.reach - self.largest_bound;
-        self.history.is_near = self.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
+        self.history.is_near =
+            self.history.tracking.iter().any(|tracking| tracking.triangle.iter().any(|t| *t != NONE));
         // Only now, since `search` borrows the surface.
         changed.into_iter().for_each(|(node, triangle)| self.mark(node, triangle));
     }

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::self_contact::Parts;
+use super::surface::{Surface, are_below};
 use crate::engine::nodes::{Nodes, Vectors};
-use crate::engine::weighted_nodes::{WeightedNodes, within_cone};
+use crate::engine::weighted_nodes::{ContactImpulse, WeightedNodes};
 
 /// Node or crossing that a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -25,8 +26,8 @@ pub(super) struct Constraint {
     pub(super) source: Source,
     /// The one point less the other.
     pub(super) points: WeightedNodes,
-    /// Along which the points are apart.
-    pub(super) normal: Vector3<f64>,
+    /// Its normal is that along which the points are apart.
+    pub(super) impulse: ContactImpulse,
     /// Velocity of one point over the other per impulse along each axis, 1/kg.
     inverse_mass: Vector3<f64>,
     /// Normal velocity per impulse along the normal, 1/kg.
@@ -39,12 +40,6 @@ pub(super) struct Constraint {
     pub(super) bound: f64,
     /// Least normal velocity, m/s.
     target: f64,
-    /// Along the normal, N s.
-    normal_impulse: f64,
-    /// N s.
-    tangential_impulse: Vector3<f64>,
-    /// The part of the impulse by which the nodes have been moved already, N s.
-    moved: Vector3<f64>,
 }
 
 /// The impulse of a contact in the last step.
@@ -54,31 +49,30 @@ pub(super) struct Carried {
     nodes: [u32; 4],
     weights: [f64; 4],
     normal: [f64; 3],
-    /// N s.
-    normal_impulse: f64,
-    /// N s.
-    tangential_impulse: [f64; 3],
+    /// As of [`ContactImpulse`].
+    pressing: f64,
+    dragging: [f64; 3],
 }
 
 impl Carried {
     /// Applies `factor` times the impulse to the nodes, and moves them on for `dt` (s).
     #[inline]
     pub(super) fn apply(&self, factor: f64, nodes: &mut Nodes, dt: f64) {
-        let (normal, tangential) = (Vector3::from(self.normal), Vector3::from(self.tangential_impulse));
-        let impulse = (normal * self.normal_impulse + tangential) * factor;
+        let (normal, dragging) = (Vector3::from(self.normal), Vector3::from(self.dragging));
+        let impulse = (normal * self.pressing + dragging) * factor;
         for k in 0..4 {
             nodes.apply_impulse(self.nodes[k] as usize, &(impulse * self.weights[k]), dt);
         }
     }
 
-    /// Whether it fits a scene with so many nodes and edges.
-    pub(super) fn fits(&self, nodes: usize, edges: usize) -> bool {
+    /// Whether it fits a scene of so many nodes on `surface`.
+    pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
         let has_source = match self.source {
-            Source::Node { side, node } => side < 2 && (node as usize) < nodes,
-            Source::Crossing(of) => of.iter().all(|edge| (*edge as usize) < edges),
-            Source::Itself(parts) => parts.fits(nodes, edges),
+            Source::Node { side, node } => side < 2 && are_below(&[node], nodes),
+            Source::Crossing(edges) => are_below(&edges, surface.edges.len()),
+            Source::Itself(parts) => parts.fits(nodes, surface),
         };
-        has_source && self.nodes.iter().all(|node| (*node as usize) < nodes)
+        has_source && are_below(&self.nodes, nodes)
     }
 }
 
@@ -130,16 +124,13 @@ impl Constraint {
         let mut constraint = Constraint {
             source,
             points,
-            normal,
+            impulse: ContactImpulse::none(normal),
             inverse_mass,
             inverse_effective_mass,
             effective_mass: 1.0 / inverse_effective_mass,
             free_mass: 1.0 / inverse_free_mass,
             bound,
             target: 0.0,
-            normal_impulse: 0.0,
-            tangential_impulse: Vector3::zeros(),
-            moved: Vector3::zeros(),
         };
         // Back from the predicted end of the step: only the distance before it tells what was missing already.
         let velocity = constraint.points.sum(&nodes.velocity).dot(&normal);
@@ -156,10 +147,10 @@ impl Constraint {
     /// Starts with the impulse that the same contact had in the last step.
     #[inline]
     pub(super) fn start_from(&mut self, carried: &Carried, velocity: &mut Vectors) {
-        self.normal_impulse = carried.normal_impulse;
-        let tangential = Vector3::from(carried.tangential_impulse);
-        self.tangential_impulse = tangential - self.normal * tangential.dot(&self.normal);
-        self.points.apply(&(self.normal * self.normal_impulse + self.tangential_impulse), velocity);
+        let (normal, dragging) = (self.impulse.normal, Vector3::from(carried.dragging));
+        self.impulse.pressing = carried.pressing;
+        self.impulse.dragging = dragging - normal * dragging.dot(&normal);
+        self.points.apply(&self.impulse.total(), velocity);
     }
 
     /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
@@ -167,35 +158,25 @@ impl Constraint {
     #[inline]
     pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
         let relative = self.points.sum(velocity);
-        // Accumulated and clamped impulses, as of the body: a constraint may take back what it gave, but never pull.
-        let violation = self.target - relative.dot(&self.normal);
+        let normal = self.impulse.normal;
+        let violation = self.target - relative.dot(&normal);
         // Two thirds of the constraints: film that is close and does not press. Without a normal impulse there is no
         // tangential one.
-        if self.normal_impulse == 0.0 && violation <= 0.0 {
+        if self.impulse.pressing == 0.0 && violation <= 0.0 {
             return 0.0;
         }
-        let normal_impulse = (self.normal_impulse + violation * self.effective_mass).max(0.0);
-        let change = normal_impulse - self.normal_impulse;
-        let mut impulse = self.normal * change;
+        let change = self.impulse.press(violation * self.effective_mass);
+        let mut impulse = normal * change;
         if friction > 0.0 {
             // The velocity after the normal impulse, from the response instead of a second sum over four nodes.
             let relative = relative + product(&self.inverse_mass, &impulse);
-            let slip = relative - self.normal * relative.dot(&self.normal);
+            let slip = relative - normal * relative.dot(&normal);
             // The free mass bounds the response of every direction, so the step never overshoots where nodes are held
             // in one.
-            let sticking = self.tangential_impulse - slip * self.free_mass;
-            let tangential = within_cone(sticking, friction * normal_impulse);
-            impulse += tangential - self.tangential_impulse;
-            self.tangential_impulse = tangential;
+            impulse += self.impulse.drag(slip * self.free_mass, friction);
         }
-        self.normal_impulse = normal_impulse;
         self.points.apply(&impulse, velocity);
         change.abs() * self.inverse_effective_mass
-    }
-
-    /// Whether the points press on each other.
-    pub(super) fn is_active(&self) -> bool {
-        self.normal_impulse > 0.0
     }
 
     /// Impulse that the next step starts from.
@@ -204,24 +185,16 @@ impl Constraint {
             source: self.source,
             nodes: self.points.nodes,
             weights: self.points.weights,
-            normal: self.normal.into(),
-            normal_impulse: self.normal_impulse,
-            tangential_impulse: self.tangential_impulse.into(),
+            normal: self.impulse.normal.into(),
+            pressing: self.impulse.pressing,
+            dragging: self.impulse.dragging.into(),
         }
-    }
-
-    /// Moves the nodes by the change of their velocity since the last call times `dt` (s).
-    #[inline]
-    pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
-        let impulse = self.normal * self.normal_impulse + self.tangential_impulse;
-        self.points.apply(&((impulse - self.moved) * dt), position);
-        self.moved = impulse;
     }
 
     /// Work of the normal and of the tangential impulse on the film, J, for velocities `before` and `after` the step.
     pub(super) fn work(&self, before: &Vectors, after: &Vectors) -> [f64; 2] {
         let mean = (self.points.sum(before) + self.points.sum(after)) * 0.5;
-        [self.normal_impulse * mean.dot(&self.normal), self.tangential_impulse.dot(&mean)]
+        [self.impulse.pressing * mean.dot(&self.impulse.normal), self.impulse.dragging.dot(&mean)]
     }
 }
 

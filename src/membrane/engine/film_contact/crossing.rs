@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::due::Noted;
-use super::surface::{NONE, Surface};
+use super::due::Pairs;
+use super::surface::{NONE, Surface, are_below};
 use super::tracking::{BESIDE, Tracking, foot, normal_of, project};
 use crate::engine::nodes::Vectors;
 
@@ -17,30 +17,14 @@ pub(super) const PARALLEL: f64 = 1e-4;
 const LONGEST: usize = 512;
 
 /// An edge of one face that crosses an edge of another.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     /// Edge of the first of the two faces, then edge of the second.
     pub(super) edges: [u32; 2],
-    /// Factor on the product of the first edge and the second that makes it point from the second to the first; zero
-    /// where they are parallel, or contact was given up.
+    /// Of the product of the first edge and the second, from the second edge to the first; zero where they are parallel.
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
-    /// Path of film up to which it need not be looked at, m, as of [`super::due`].
-    pub(super) due: f64,
-}
-
-impl Crossing {
-    /// Nodes of the first edge, then of the second.
-    pub(super) fn nodes(&self, surface: &Surface) -> [u32; 4] {
-        let [[a, b], [c, d]] = self.edges.map(|edge| surface.edges[edge as usize]);
-        [a, b, c, d]
-    }
-
-    /// Whether it fits a scene with so many edges.
-    pub(super) fn fits(&self, edges: usize) -> bool {
-        self.edges.iter().all(|edge| (*edge as usize) < edges)
-    }
 }
 
 /// Adds the crossings of `edge` over the faces that its nodes follow on one side. `tracking` is that of this side and
@@ -56,7 +40,7 @@ pub(super) fn find(
 ) {
     let ends = surface.edges[edge as usize];
     let face = |n: u32| {
-        let (triangle, sign) = (tracking[0].triangle[n as usize], tracking[0].sign[n as usize]);
+        let (triangle, sign) = (tracking[0].triangle[n as usize], tracking[0].pairs.sign[n as usize]);
         (triangle != NONE && sign != 0.0).then(|| surface.face_of(triangle))
     };
     let [first, second] = ends.map(face);
@@ -84,9 +68,9 @@ fn follow(
         b - a
     };
     // The whole edge lies on the side of its first node: it came from there (theory.md, section 6).
-    let (sign, bound) = (tracking.sign[from as usize], tracking.bound[from as usize]);
+    let (sign, bound) = (tracking.pairs.sign[from as usize], tracking.pairs.bound[from as usize]);
     let (mut triangle, mut entered) = (tracking.triangle[from as usize], NONE);
-    if tracking.noted.due[from as usize] > path {
+    if tracking.pairs.due[from as usize] > path {
         // It may have passed other triangles since it was looked at.
         triangle = foot(surface, position, &start, triangle).triangle;
     }
@@ -120,7 +104,7 @@ fn follow(
             let sign = if is_across { 1.0_f64.copysign(up) } else { 0.0 };
             // In the other order both the product and the direction are reversed, and the sign is the same.
             let edges = [edge.min(other), edge.max(other)];
-            out.push(Crossing { edges, sign, bound, due: 0.0 });
+            out.push(Crossing { edges, sign, bound });
         }
         let next = surface.across[triangle as usize][k];
         // Past a sharp fold the edge lies under the surface that it is followed over.
@@ -131,17 +115,14 @@ fn follow(
     }
 }
 
-/// All crossings, in an order that follows from how they came and went.
-#[derive(Clone, Debug, Default)]
+/// All crossings, in an order that follows from how they came and went: sweeps go through them in it, and another one gives
+/// other bits.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Crossings {
     edges: Vec<[u32; 2]>,
     /// Nodes of the first edge, then of the second.
     pub(super) nodes: [Vec<u32>; 4],
-    /// As in [`Crossing`].
-    pub(super) sign: Vec<f64>,
-    /// Least allowed distance, m.
-    pub(super) bound: Vec<f64>,
-    pub(super) noted: Noted,
+    pub(super) pairs: Pairs,
     /// Places in the list, of each edge of the surface.
     of_edge: Vec<Vec<u32>>,
 }
@@ -150,10 +131,6 @@ impl Crossings {
     /// None between `edges` edges.
     pub(super) fn new(edges: usize) -> Crossings {
         Crossings { of_edge: vec![vec![]; edges], ..Crossings::default() }
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.edges.len()
     }
 
     /// Numbers of its two edges.
@@ -171,45 +148,24 @@ impl Crossings {
         0..self.edges.len()
     }
 
-    pub(super) fn get(&self, place: usize) -> Crossing {
-        Crossing {
-            edges: self.edges[place],
-            sign: self.sign[place],
-            bound: self.bound[place],
-            due: self.noted.due[place],
-        }
-    }
-
     /// The place of the crossing of two edges.
     pub(super) fn place(&self, edges: [u32; 2]) -> Option<usize> {
         self.of_edge(edges[0]).iter().map(|place| *place as usize).find(|place| self.edges[*place] == edges)
     }
 
-    /// Distance (m) below which there is a constraint of the crossing at `place`, `margin` (m) beyond the least allowed one,
-    /// as of [`Noted`].
-    #[inline(always)]
-    pub(super) fn limit(&self, place: usize, margin: f64) -> f64 {
-        self.noted.limit(place, self.bound[place] + margin)
-    }
-
     /// Adds a crossing that the list does not have yet.
-    pub(super) fn push(&mut self, crossing: Crossing, surface: &Surface) {
+    pub(super) fn push(&mut self, Crossing { edges, sign, bound }: Crossing, surface: &Surface) {
         let place = self.edges.len() as u32;
-        let Crossing { edges, sign, bound, due } = crossing;
         edges.iter().for_each(|edge| self.of_edge[*edge as usize].push(place));
-        for (all, node) in self.nodes.iter_mut().zip(crossing.nodes(surface)) {
-            all.push(node);
-        }
+        let nodes = edges.map(|edge| surface.edges[edge as usize]);
+        self.nodes.iter_mut().zip(nodes.as_flattened()).for_each(|(all, node)| all.push(*node));
         self.edges.push(edges);
-        self.sign.push(sign);
-        self.bound.push(bound);
-        self.noted.push(due);
+        self.pairs.push([sign, bound, 0.0]);
     }
 
-    /// Removes the crossing at `place`, which the last one of the list takes.
-    pub(super) fn remove(&mut self, place: usize) -> Crossing {
-        let removed = self.get(place);
-        for edge in removed.edges {
+    /// Removes the crossing at `place`, which the last one of the list takes. Returns its edges.
+    pub(super) fn remove(&mut self, place: usize) -> [u32; 2] {
+        for edge in self.edges[place] {
             self.of_edge[edge as usize].retain(|other| *other as usize != place);
         }
         let last = self.edges.len() - 1;
@@ -220,18 +176,20 @@ impl Crossings {
             }
         }
         // Structure of arrays without gaps: the narrow phase reads it in whole lanes.
-        self.edges.swap_remove(place);
         for all in &mut self.nodes {
             all.swap_remove(place);
         }
-        self.sign.swap_remove(place);
-        self.bound.swap_remove(place);
-        self.noted.swap_remove(place);
-        removed
+        self.pairs.swap_remove(place);
+        self.edges.swap_remove(place)
     }
 
-    /// All of them, in their order.
-    pub(super) fn iter(&self) -> impl Iterator<Item = Crossing> + '_ {
-        self.places().map(|place| self.get(place))
+    /// Whether it fits a scene of so many nodes and edges.
+    pub(super) fn fits(&self, nodes: usize, edges: usize) -> bool {
+        let count = self.edges.len();
+        self.pairs.fits(count)
+            && are_below(self.edges.as_flattened(), edges)
+            && self.nodes.iter().all(|all| all.len() == count && are_below(all, nodes))
+            && self.of_edge.len() == edges
+            && self.of_edge.iter().all(|places| are_below(places, count))
     }
 }

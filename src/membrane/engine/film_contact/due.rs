@@ -6,6 +6,8 @@
 //! pass to a neighbouring triangle meanwhile, whose plane is nearer by the cosine of the angle between both, and edges
 //! come to cross each other: that is found out while the rest of the distance is left.
 
+use serde::{Deserialize, Serialize};
+
 use super::FilmContact;
 use super::surface::NONE;
 use crate::engine::nodes::Vectors;
@@ -21,29 +23,50 @@ pub(super) fn spared(apart: f64) -> f64 {
     0.5 * larger(apart, 0.0)
 }
 
-/// What is noted of nodes that follow film, of crossings or of pairs, an entry each.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Noted {
-    /// Place of its impulse in the last step among those that are carried on, or [`NONE`].
+/// Pairs of parts of film that may meet, an entry each: of nodes and the triangles that they follow, of edges that cross, or
+/// of parts of one face.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Pairs {
+    /// Factor on the normal that makes it point to the side on which one part is of the other; zero where that is not
+    /// decided, or contact was given up.
+    pub(super) sign: Vec<f64>,
+    /// Least allowed distance, m.
+    pub(super) bound: Vec<f64>,
+    /// Place of its impulse in the last step among those that are carried on, or [`NONE`]; within a step.
     pub(super) carried: Vec<u32>,
     /// Path of film up to which it need not be looked at, m; infinite where nothing is near.
     pub(super) due: Vec<f64>,
 }
 
-impl Noted {
-    /// Of `count` of which nothing is near.
-    pub(super) fn new(count: usize) -> Noted {
-        Noted { carried: vec![NONE; count], due: vec![f64::INFINITY; count] }
+impl Pairs {
+    /// Of `count` parts near which there is nothing.
+    pub(super) fn none(count: usize) -> Pairs {
+        Pairs {
+            sign: vec![0.0; count],
+            bound: vec![0.0; count],
+            carried: vec![NONE; count],
+            due: vec![f64::INFINITY; count],
+        }
     }
 
-    /// Adds an entry.
-    pub(super) fn push(&mut self, due: f64) {
+    /// Adds a pair with its side and its least allowed distance (m), which is looked at once film has covered the path
+    /// `due` (m).
+    pub(super) fn push(&mut self, [sign, bound, due]: [f64; 3]) {
+        self.sign.push(sign);
+        self.bound.push(bound);
         self.carried.push(NONE);
         self.due.push(due);
     }
 
-    /// Removes an entry, which the last one replaces.
+    /// What [`Pairs::push`] was called with, as it is now.
+    pub(super) fn get(&self, place: usize) -> [f64; 3] {
+        [self.sign[place], self.bound[place], self.due[place]]
+    }
+
+    /// Removes a pair, which the last one replaces.
     pub(super) fn swap_remove(&mut self, place: usize) {
+        self.sign.swap_remove(place);
+        self.bound.swap_remove(place);
         self.carried.swap_remove(place);
         self.due.swap_remove(place);
     }
@@ -53,6 +76,11 @@ impl Noted {
     #[inline(always)]
     pub(super) fn limit(&self, place: usize, distance: f64) -> f64 {
         if self.carried[place] == NONE { distance } else { f64::INFINITY }
+    }
+
+    /// Whether these are `count` pairs.
+    pub(super) fn fits(&self, count: usize) -> bool {
+        [self.sign.len(), self.bound.len(), self.carried.len(), self.due.len()] == [count; 4]
     }
 }
 
@@ -105,8 +133,8 @@ impl FilmContact {
     /// Makes the pairs with constraints due in the next step: in this one they had been spared.
     pub(super) fn make_constrained_due(&mut self) {
         for k in 0..self.constraints.len() {
-            if let Some((entry, place)) = self.entry(self.constraints[k].source) {
-                entry.due[place] = 0.0;
+            if let Some((pairs, place)) = self.place(self.constraints[k].source) {
+                pairs.due[place] = 0.0;
             }
         }
     }

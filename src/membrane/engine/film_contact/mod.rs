@@ -11,7 +11,6 @@ mod broad_phase;
 mod constraint;
 mod crossing;
 mod due;
-mod history;
 mod narrow_phase;
 mod self_contact;
 mod solver;
@@ -20,10 +19,8 @@ mod tracking;
 #[cfg(test)]
 mod tests;
 
-pub(super) use history::FilmContactHistory;
 pub(super) use solver::{ROUNDS, SWEEPS, TOLERANCE};
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::film::Film;
@@ -34,7 +31,7 @@ use crossing::Crossings;
 use narrow_phase::Found;
 use self_contact::SelfContact;
 use solver::Sweeps;
-use surface::{NONE, Surface, place};
+use surface::{NONE, Surface, are_below, place};
 use tracking::Tracking;
 
 /// Share of the thickness of two films by which they may approach each other: aligned meshes on a curved body come a
@@ -60,9 +57,6 @@ pub struct FilmContact {
     largest_bound: f64,
     /// Distance up to which films are searched for, m.
     reach: f64,
-    /// Towards the faces before that of each node, and after it.
-    tracking: [Tracking; 2],
-    crossings: Crossings,
     constraints: Vec<Constraint>,
     /// Whether the constraints of the present step have been found.
     has_begun: bool,
@@ -73,14 +67,15 @@ pub struct FilmContact {
     detected_within: f64,
     /// Half a step before the present one, m/s.
     previous_velocity: Vectors,
-    /// As predicted without contact, m/s; with damping only.
-    predicted: Vectors,
     pub(super) history: History,
 }
 
-/// What contact keeps from step to step, besides what nodes and edges follow.
+/// What contact between films keeps from step to step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct History {
+    /// Towards the faces before that of each node, and after it.
+    tracking: [Tracking; 2],
+    crossings: Crossings,
     /// Impulses of the last step, by what they belong to.
     carried: Vec<Carried>,
     /// Edges whose crossings have to be found anew.
@@ -106,6 +101,9 @@ pub(super) struct History {
     /// Work since the start.
     pub(super) work: FilmWork,
 }
+
+/// State of contact between films, and of faces with themselves, from step to step.
+pub(super) type FilmContactHistory = (History, Option<self_contact::State>);
 
 /// Running totals of the work of contact between films, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -139,7 +137,8 @@ impl FilmContact {
         let surface = Surface::new(films);
         let length = |[a, b]: &[u32; 2]| (nodes.position_of(*a as usize) - nodes.position_of(*b as usize)).norm();
         let longest = surface.edges.iter().map(length).fold(0.0, f64::max);
-        let crossings = Crossings::new(surface.edges.len());
+        let tracking = [(); 2].map(|()| Tracking::new(count));
+        let history = History { tracking, crossings: Crossings::new(surface.edges.len()), ..History::default() };
         let largest_bound = (1.0 - SLOP) * films.iter().map(|film| film.thickness).fold(0.0, f64::max);
         FilmContact {
             friction,
@@ -151,16 +150,13 @@ impl FilmContact {
             largest_bound,
             // Beyond the allowed distance, so that film has to move until what was not found touches.
             reach: REACH * longest + 2.0 * largest_bound,
-            tracking: [(); 2].map(|()| Tracking::new(count)),
-            crossings,
             constraints: vec![],
             has_begun: false,
             sweeps: Sweeps::default(),
             found: vec![],
             detected_within: 0.0,
             previous_velocity: Vectors::zero(count),
-            predicted: Vectors::default(),
-            history: History::default(),
+            history,
         }
     }
 
@@ -186,7 +182,8 @@ impl FilmContact {
             return;
         }
         self.itself.iter_mut().for_each(|itself| itself.remove_deleted(&self.surface));
-        for tracking in &mut self.tracking {
+        let History { tracking, crossings, stale, margin, .. } = &mut self.history;
+        for tracking in tracking {
             for node in 0..tracking.triangle.len() {
                 let triangle = tracking.triangle[node];
                 // A node that has lost all of its elements is a point mass beside the film.
@@ -195,17 +192,17 @@ impl FilmContact {
                 };
                 if triangle != NONE && !is_kept(triangle) {
                     tracking.lose(node);
-                    self.history.stale.extend_from_slice(self.surface.edges_at(node as u32));
+                    stale.extend_from_slice(self.surface.edges_at(node as u32));
                 }
             }
         }
         // From the last one on, since a removed place is filled by the last crossing.
-        for place in self.crossings.places().rev() {
-            if self.crossings.edges(place).iter().any(|edge| !self.surface.is_intact_edge[*edge as usize]) {
-                self.crossings.remove(place);
+        for place in crossings.places().rev() {
+            if crossings.edges(place).iter().any(|edge| !self.surface.is_intact_edge[*edge as usize]) {
+                crossings.remove(place);
             }
         }
-        self.history.margin = 0.0;
+        *margin = 0.0;
     }
 
     /// Searches where that is due, before the nodes move, and records their velocities.
@@ -230,7 +227,7 @@ impl FilmContact {
 
     /// Whether any node follows another face, or parts of a face are near each other.
     pub(super) fn is_near(&self) -> bool {
-        self.history.is_near || self.itself.as_ref().is_some_and(|itself| !itself.pairs.is_empty())
+        self.history.is_near || self.itself.as_ref().is_some_and(|itself| !itself.state.pairs.is_empty())
     }
 
     /// Reduces the motion that is left until the next search, after a step in which nodes have moved by at most
@@ -250,71 +247,54 @@ impl FilmContact {
 
     /// Finds the crossings of the stale edges anew: of these, and of all that crossed one of them.
     fn list_crossings(&mut self, position: &Vectors) {
-        if self.history.stale.is_empty() {
+        let History { tracking, crossings, stale: edges, path, .. } = &mut self.history;
+        if edges.is_empty() {
             return;
         }
-        let mut edges = std::mem::take(&mut self.history.stale);
         edges.sort_unstable();
         edges.dedup();
-        let mut places: Vec<u32> = edges.iter().flat_map(|edge| self.crossings.of_edge(*edge)).copied().collect();
+        let mut places: Vec<u32> = edges.iter().flat_map(|edge| crossings.of_edge(*edge)).copied().collect();
         places.sort_unstable();
         places.dedup();
         // From the last one on, since it takes the place of what is removed.
         for place in places.iter().rev() {
             // The partner may cross others as well by now: it is looked at, too.
-            edges.extend(self.crossings.remove(*place as usize).edges);
+            edges.extend(crossings.remove(*place as usize));
         }
         edges.sort_unstable();
         edges.dedup();
         edges.retain(|edge| self.surface.is_intact_edge[*edge as usize]);
         // Corners first: a crossing next to a node that lies on a corner is not listed.
         for node in edges.iter().flat_map(|edge| self.surface.edges[*edge as usize]) {
-            self.tracking.iter_mut().for_each(|tracking| tracking.find_corner(node as usize, position));
+            tracking.iter_mut().for_each(|tracking| tracking.find_corner(node as usize, position));
         }
-        let [before, after] = &self.tracking;
+        let [before, after] = &*tracking;
         let mut found = vec![];
-        for edge in &edges {
+        for edge in &*edges {
             // From both faces: each edge is walked over the other face, and a crossing that both find is pushed once.
             for tracking in [[before, after], [after, before]] {
-                crossing::find(&self.surface, (position, self.history.path), tracking, *edge, &mut found);
+                crossing::find(&self.surface, (position, *path), tracking, *edge, &mut found);
             }
         }
         for crossing in found {
-            if self.crossings.place(crossing.edges).is_none() {
-                self.crossings.push(crossing, &self.surface);
+            if crossings.place(crossing.edges).is_none() {
+                crossings.push(crossing, &self.surface);
             }
         }
         edges.clear();
-        self.history.stale = edges;
-    }
-
-    /// Records the predicted velocities of all nodes.
-    pub(super) fn record_prediction(&mut self, nodes: &Nodes) {
-        self.predicted.clone_from(&nodes.velocity);
-    }
-
-    /// Sum over all nodes of what contact of any kind changes in the work of mass-proportional damping, kg m²/s²: m
-    /// v̄·½Δv with the mean `v̄` of the velocities before the step and of the predictor and the change `Δv` by contact.
-    pub(super) fn damping_correction(&self, nodes: &Nodes) -> f64 {
-        let of = |n: usize| {
-            let [before, predicted, after] =
-                [&self.previous_velocity, &self.predicted, &nodes.velocity].map(|all| Vector3::from(all.value_at(n)));
-            0.25 * nodes.mass[n] * (after - predicted).dot(&(before + predicted))
-        };
-        (0..nodes.mass.len()).map(of).sum()
     }
 
     /// The present state.
     pub(super) fn state(&self, nodes: &Nodes, pool: &ThreadPool) -> FilmContactState {
         let position = &nodes.position;
         let mut distance = self.reach;
-        for tracking in self.tracking.iter().filter(|_| self.history.is_near) {
-            let followed = |n: &usize| tracking.triangle[*n] != NONE && tracking.sign[*n] != 0.0;
+        for tracking in self.history.tracking.iter().filter(|_| self.history.is_near) {
+            let followed = |n: &usize| tracking.triangle[*n] != NONE && tracking.pairs.sign[*n] != 0.0;
             for n in (0..tracking.triangle.len()).filter(followed) {
                 let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
                 // Beside the outline the distance along the normal means nothing.
                 if foot.is_over {
-                    distance = distance.min(tracking.sign[n] * foot.distance);
+                    distance = distance.min(tracking.pairs.sign[n] * foot.distance);
                 }
             }
         }
@@ -337,7 +317,35 @@ impl FilmContact {
             return true;
         }
         self.search(films, nodes);
-        let is_wrong = |(tracking, expected): (&Tracking, f64)| tracking.sign.contains(&-expected);
-        !self.tracking.iter().zip([-1.0, 1.0]).any(is_wrong)
+        let is_wrong = |(tracking, expected): (&Tracking, f64)| tracking.pairs.sign.contains(&-expected);
+        !self.history.tracking.iter().zip([-1.0, 1.0]).any(is_wrong)
+    }
+
+    /// The state after the last step.
+    pub(super) fn save(&self) -> FilmContactHistory {
+        (self.history.clone(), self.itself.as_ref().map(|itself| itself.state.clone()))
+    }
+
+    /// Restores the state of a scene of the same `films`, whose elements have failed as they had then.
+    pub(super) fn restore(&mut self, (history, of_faces): FilmContactHistory, films: &[Film]) {
+        self.surface.remove_deleted(films);
+        if let (Some(itself), Some(state)) = (&mut self.itself, of_faces) {
+            itself.restore(state, &self.surface);
+        }
+        self.history = history;
+    }
+
+    /// Whether a state fits its faces.
+    pub(super) fn fits(&self, (history, of_faces): &FilmContactHistory) -> bool {
+        let (nodes, surface) = (self.previous_velocity.len(), &self.surface);
+        let edges = surface.edges.len();
+        history.tracking.iter().all(|tracking| tracking.fits(nodes, surface))
+            && history.crossings.fits(nodes, edges)
+            && history.carried.iter().all(|carried| carried.fits(nodes, surface))
+            && history.detected.is_whole()
+            && [0, nodes].contains(&history.detected.len())
+            && are_below(&history.stale, edges)
+            && of_faces.is_some() == self.itself.is_some()
+            && of_faces.as_ref().is_none_or(|state| state.fits(nodes, surface))
     }
 }

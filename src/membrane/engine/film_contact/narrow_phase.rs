@@ -4,44 +4,38 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::FilmContact;
 use super::constraint::{Constraint, Pair, Source, Unusable};
-use super::crossing::Crossings;
-use super::crossing::PARALLEL;
-use super::due;
-use super::self_contact::{self, FoundPairs};
-use super::surface::place;
+use super::crossing::{Crossings, PARALLEL};
+use super::due::{self, Pairs};
+use super::self_contact::FoundPairs;
+use super::surface::{Surface, place};
 use super::tracking::{self, BESIDE, Foot, Tracking};
+use super::{FilmContact, History};
 use crate::engine::disjoint::Disjoint;
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::thread_pool::ThreadPool;
 use crate::lane::{LANES, Lane, Lane3, at_width, cross, dot, larger, splat};
 
-/// Nodes of a task.
-const NODES_PER_RANGE: usize = 1024;
-
-/// Crossings of a task.
-const CROSSINGS_PER_RANGE: usize = 512;
-
-/// Pairs of a face with itself of a task.
-const PAIRS_PER_RANGE: usize = 512;
-
-/// Range of nodes, crossings or pairs that one call examines.
+/// Range of the pairs of one kind, by its place in [`KINDS`], that one call examines.
 #[derive(Clone, Debug)]
 struct Task {
-    of: Pairs,
+    kind: usize,
     range: Range<usize>,
 }
 
 /// Pairs that follow each other in memory.
 #[derive(Clone, Copy, Debug)]
-enum Pairs {
-    /// Of nodes and the triangles that they follow on one side.
+enum Kind {
+    /// Nodes and the triangles that they follow on one side.
     Nodes(usize),
     Crossings,
-    /// Of one face.
+    /// Parts of one face.
     Itself,
 }
+
+/// All kinds, with the number of pairs of a task: in this order they come into the sweeps.
+const KINDS: [(Kind, usize); 4] =
+    [(Kind::Nodes(0), 1024), (Kind::Nodes(1), 1024), (Kind::Crossings, 512), (Kind::Itself, 512)];
 
 /// Results of a task.
 #[derive(Default)]
@@ -50,8 +44,11 @@ pub(super) struct Found {
     places: Vec<u32>,
     /// Film may cover this path, m, until each of these is looked at again.
     spared: Vec<f64>,
-    nodes: FoundNodes,
-    crossings: FoundCrossings,
+    close: Vec<Close>,
+    /// Entries among the places of nodes that are not over their triangle, or on no side of it so far.
+    beside: Vec<usize>,
+    /// Nodes that do not lie on a corner any more; crossings that have become parallel, or are so no more.
+    turned: Vec<u32>,
     itself: FoundPairs,
     constraints: Vec<Constraint>,
     /// Node and foot of those whose triangle or side has changed.
@@ -63,11 +60,9 @@ pub(super) struct Found {
 impl Found {
     fn clear(&mut self) {
         self.spared.clear();
-        self.nodes.close.clear();
-        self.nodes.beside.clear();
-        self.nodes.off_corner.clear();
-        self.crossings.close.clear();
-        self.crossings.turned.clear();
+        self.close.clear();
+        self.beside.clear();
+        self.turned.clear();
         self.itself.clear();
         self.constraints.clear();
         self.moved.clear();
@@ -86,86 +81,88 @@ impl Found {
             Err(Unusable::Beyond) => self.lost.push(self.places[entry] as usize),
         }
     }
+
+    /// Adds the constraints of what is close, of which `of` tells source and nodes by the place among `pairs`.
+    fn add_close(&mut self, step: Step<'_>, pairs: &Pairs, of: impl Fn(usize) -> (Source, [u32; 4])) {
+        for k in 0..self.close.len() {
+            let Close { entry, weights, normal, distance } = self.close[k];
+            let place = self.places[entry] as usize;
+            let (source, nodes) = of(place);
+            let bound = pairs.bound[place];
+            let pair = Pair { nodes, weights, normal: Vector3::from(normal), distance, bound };
+            self.add(entry, Constraint::new(source, pair, step.nodes, step.dt));
+        }
+    }
 }
 
 /// A step in which films are looked at.
 #[derive(Clone, Copy)]
-struct Step<'a> {
-    nodes: &'a Nodes,
+pub(super) struct Step<'a> {
+    pub(super) surface: &'a Surface,
+    /// With their predicted positions.
+    pub(super) nodes: &'a Nodes,
     /// s.
-    dt: f64,
+    pub(super) dt: f64,
     /// Distance beyond the least allowed one up to which there is a constraint, and the largest one in any step, m.
-    margins: [f64; 2],
-    /// Path of film so far, m.
-    path: f64,
+    pub(super) margins: [f64; 2],
 }
 
 impl FilmContact {
     /// Adds constraints of what is closer than allowed, or by less than `margin` (m) farther, at the end of a step of
     /// `dt` (s), for which the nodes have their predicted positions.
     pub(super) fn detect(&mut self, nodes: &Nodes, [dt, margin]: [f64; 2], pool: &ThreadPool) {
-        let (count, crossings) = (nodes.mass.len(), self.crossings.len());
-        let cut = |end: usize, by: usize| (0..end).step_by(by).map(move |from| from..end.min(from + by));
-        let of_nodes = |side| cut(count, NODES_PER_RANGE).map(move |range| Task { of: Pairs::Nodes(side), range });
-        let of_crossings = cut(crossings, CROSSINGS_PER_RANGE).map(|range| Task { of: Pairs::Crossings, range });
-        let pairs = self.itself.as_ref().map_or(0, |itself| itself.pairs.len());
-        let of_itself = cut(pairs, PAIRS_PER_RANGE).map(|range| Task { of: Pairs::Itself, range });
-        // Faces that do not meet each other follow nothing.
-        let sides = if self.history.is_near { 0..2 } else { 0..0 };
-        let tasks: Vec<Task> = sides.flat_map(of_nodes).chain(of_crossings).chain(of_itself).collect();
         let mut found = std::mem::take(&mut self.found);
+        // Taken out, for tasks write them while they read the rest.
+        let mut due = KINDS.map(|(kind, _)| self.pairs(kind).map_or(vec![], |pairs| std::mem::take(&mut pairs.due)));
+        let tasks: Vec<Task> = (0..KINDS.len())
+            .flat_map(|kind| {
+                let (end, by) = (due[kind].len(), KINDS[kind].1);
+                (0..end).step_by(by).map(move |from| Task { kind, range: from..end.min(from + by) })
+            })
+            .collect();
         // Kept from step to step for their capacity, also where fewer tasks need them now.
         found.resize_with(tasks.len().max(found.len()), Found::default);
         let results = Disjoint::new(&mut found);
-        let step = Step { nodes, dt, margins: [margin, 2.0 * self.largest_margin()], path: self.history.path };
-        // Taken out, for tasks write them while they read the rest.
-        let mut due_nodes = self.tracking.each_mut().map(|tracking| std::mem::take(&mut tracking.noted.due));
-        let mut due_crossings = std::mem::take(&mut self.crossings.noted.due);
-        let mut due_itself = self.itself.as_mut().map_or(vec![], |itself| std::mem::take(&mut itself.pairs.noted.due));
-        let of_nodes = due_nodes.each_mut().map(|due| Disjoint::new(due));
-        let [of_crossings, of_itself] = [&mut due_crossings, &mut due_itself].map(|due| Disjoint::new(due));
-        let path_of_itself = self.itself.as_ref().map_or(0.0, |itself| itself.path);
+        let due_of = due.each_mut().map(|due| Disjoint::new(due));
+        let path_of_itself = self.itself.as_ref().map_or(0.0, |itself| itself.state.path);
+        let step = Step { surface: &self.surface, nodes, dt, margins: [margin, 2.0 * self.largest_margin()] };
         pool.each(tasks.len(), |part| {
             // SAFETY: every part comes up once.
             let found = unsafe { results.entry(part) };
             found.clear();
-            let Task { of, range } = tasks[part].clone();
-            let of_pairs = match of {
-                Pairs::Nodes(side) => &of_nodes[side],
-                Pairs::Crossings => &of_crossings,
-                Pairs::Itself => &of_itself,
-            };
+            let Task { kind, range } = &tasks[part];
             // SAFETY: ranges of the same pairs do not overlap.
-            let due = unsafe { of_pairs.range(range.clone()) };
-            let path = match of {
-                Pairs::Itself => path_of_itself,
-                _ => step.path,
-            };
+            let due = unsafe { due_of[*kind].range(range.clone()) };
+            let kind = KINDS[*kind].0;
+            let path = if let Kind::Itself = kind { path_of_itself } else { self.history.path };
             due::list(pool.width(), due, path, range.start, &mut found.places);
-            match of {
-                Pairs::Nodes(side) => self.detect_nodes(pool, step, side, found),
-                Pairs::Crossings => self.detect_crossings(pool, step, found),
-                Pairs::Itself => self.detect_itself(step, found),
+            match kind {
+                Kind::Nodes(side) => self.detect_nodes(pool, step, side, found),
+                Kind::Crossings => self.detect_crossings(pool, step, found),
+                Kind::Itself => self.detect_itself(step, found),
             }
             for (place, spared) in found.places.iter().zip(&found.spared) {
                 due[*place as usize - range.start] = path + spared;
             }
         });
-        self.tracking.iter_mut().zip(due_nodes).for_each(|(tracking, due)| tracking.noted.due = due);
-        self.crossings.noted.due = due_crossings;
-        self.itself.iter_mut().for_each(|itself| itself.pairs.noted.due = std::mem::take(&mut due_itself));
+        for ((kind, _), due) in KINDS.into_iter().zip(due) {
+            if let Some(pairs) = self.pairs(kind) {
+                pairs.due = due;
+            }
+        }
         // In the order of the tasks, whichever thread had them: the sweeps go through the constraints in this order.
         for (task, found) in tasks.iter().zip(&mut found) {
             self.constraints.append(&mut found.constraints);
             self.history.lost += found.lost.len() as u64;
-            match task.of {
-                Pairs::Nodes(side) => self.follow(side, found, nodes, dt),
-                Pairs::Crossings => {
-                    let again = found.lost.iter().chain(&found.crossings.turned);
-                    self.history.stale.extend(again.flat_map(|place| self.crossings.edges(*place)));
-                    found.lost.iter().for_each(|place| self.crossings.sign[*place] = 0.0);
+            match KINDS[task.kind].0 {
+                Kind::Nodes(side) => self.follow(side, found, nodes, dt),
+                Kind::Crossings => {
+                    let History { crossings, stale, .. } = &mut self.history;
+                    let turned = found.turned.iter().map(|place| *place as usize);
+                    stale.extend(found.lost.iter().copied().chain(turned).flat_map(|place| crossings.edges(place)));
+                    found.lost.iter().for_each(|place| crossings.pairs.sign[*place] = 0.0);
                 }
-                Pairs::Itself => {
+                Kind::Itself => {
                     let Some(itself) = &mut self.itself else { continue };
                     itself.follow(&found.itself);
                     found.lost.iter().for_each(|place| itself.lose(*place));
@@ -175,80 +172,71 @@ impl FilmContact {
         self.found = found;
     }
 
+    /// The pairs of one kind; none of a kind of which there are none.
+    fn pairs(&mut self, kind: Kind) -> Option<&mut Pairs> {
+        match kind {
+            // Faces that do not meet each other follow nothing.
+            Kind::Nodes(side) => self.history.is_near.then_some(&mut self.history.tracking[side].pairs),
+            Kind::Crossings => Some(&mut self.history.crossings.pairs),
+            Kind::Itself => self.itself.as_mut().map(|itself| &mut itself.state.pairs.pairs),
+        }
+    }
+
     /// Lets nodes follow other triangles, and marks the edges whose crossings change by that.
     fn follow(&mut self, side: usize, found: &Found, nodes: &Nodes, dt: f64) {
         for (node, foot) in &found.moved {
             let n = *node as usize;
-            let (before, sign) = (self.tracking[side].triangle[n], self.tracking[side].sign[n]);
+            let tracking = &mut self.history.tracking[side];
+            let (before, sign, due) = (tracking.triangle[n], tracking.pairs.sign[n], tracking.pairs.due[n]);
             // A known side is kept, whatever the distance says: film that has passed through must come back (theory.md,
             // section 6).
             let sign = match (foot.is_over, sign == 0.0) {
                 (true, false) => sign,
                 // The side on which it was before the step.
-                (true, true) => 1.0_f64.copysign(foot.distance - dt * self.approach(nodes, n, foot)),
+                (true, true) => 1.0_f64.copysign(foot.distance - dt * approach(&self.surface, nodes, n, foot)),
                 (false, _) => 0.0,
             };
-            let due = self.tracking[side].noted.due[n];
-            self.tracking[side].follow(n, foot.triangle, sign, &self.surface);
+            tracking.follow(n, foot.triangle, sign, &self.surface);
             // By the foot on the other triangle: it may have its constraint already.
-            self.tracking[side].noted.due[n] = due;
+            tracking.pairs.due[n] = due;
             self.mark(*node, before);
             self.mark(*node, foot.triangle);
         }
-        for node in &found.nodes.off_corner {
-            self.tracking[side].leave_corner(*node as usize);
+        for node in &found.turned {
+            self.history.tracking[side].leave_corner(*node as usize);
             self.history.stale.extend_from_slice(self.surface.edges_at(*node));
         }
         // Given up, so that the next search decides anew on which side it lies.
         for n in &found.lost {
-            self.mark(*n as u32, self.tracking[side].triangle[*n]);
-            self.tracking[side].lose(*n);
+            self.mark(*n as u32, self.history.tracking[side].triangle[*n]);
+            self.history.tracking[side].lose(*n);
             self.history.margin = 0.0;
         }
     }
 
-    /// Velocity of a node over its foot along the normal, m/s.
-    fn approach(&self, nodes: &Nodes, node: usize, foot: &Foot) -> f64 {
-        let corners = self.surface.corners[foot.triangle as usize];
-        let film: Vector3<f64> = (0..3).map(|k| nodes.velocity_of(corners[k] as usize) * foot.weights[k]).sum();
-        (nodes.velocity_of(node) - film).dot(&foot.normal)
-    }
-
     /// Constraints of the listed nodes, and those of them that follow another triangle from now on.
     fn detect_nodes(&self, pool: &ThreadPool, step: Step<'_>, side: usize, found: &mut Found) {
-        let Step { nodes, dt, margins, .. } = step;
-        let (tracking, position) = (&self.tracking[side], &nodes.position);
-        let Found { places, spared, nodes: of_nodes, .. } = &mut *found;
-        close_nodes(pool.width(), tracking, position, places, margins, spared, of_nodes);
-        for k in 0..found.nodes.close.len() {
-            let CloseNode { entry, weights: [a, b, c], normal, distance } = found.nodes.close[k];
-            let n = found.places[entry] as usize;
-            // In the order of the tracking, which may be turned so that the corner under the node comes first.
-            let [first, second, third] = &tracking.corners;
-            let pair = Pair {
-                nodes: [n as u32, first[n], second[n], third[n]],
-                weights: [1.0, -a, -b, -c],
-                normal: Vector3::from(normal),
-                distance,
-                bound: tracking.bound[n],
-            };
-            let source = Source::Node { side, node: n as u32 };
-            found.add(entry, Constraint::new(source, pair, nodes, dt));
-        }
-        for k in 0..found.nodes.beside.len() {
-            let entry = found.nodes.beside[k];
+        let tracking = &self.history.tracking[side];
+        close_nodes(pool.width(), tracking, &step.nodes.position, step.margins, found);
+        // In the order of the tracking, which may be turned so that the corner under the node comes first.
+        let [first, second, third] = &tracking.corners;
+        found.add_close(step, &tracking.pairs, |n| {
+            (Source::Node { side, node: n as u32 }, [n as u32, first[n], second[n], third[n]])
+        });
+        for k in 0..found.beside.len() {
+            let entry = found.beside[k];
             if let Some(pair) = self.pair_beside(step, side, entry, found) {
                 let source = Source::Node { side, node: found.places[entry] };
-                found.add(entry, Constraint::new(source, pair, nodes, dt));
+                found.add(entry, Constraint::new(source, pair, step.nodes, step.dt));
             }
         }
     }
 
     /// The pair of a node beside its triangle and what it lies over, if these are close.
     fn pair_beside(&self, step: Step<'_>, side: usize, entry: usize, found: &mut Found) -> Option<Pair> {
-        let (tracking, position) = (&self.tracking[side], &step.nodes.position);
+        let (tracking, position) = (&self.history.tracking[side], &step.nodes.position);
         let n = found.places[entry] as usize;
-        let (triangle, sign, bound) = (tracking.triangle[n], tracking.sign[n], tracking.bound[n]);
+        let (triangle, sign, bound) = (tracking.triangle[n], tracking.pairs.sign[n], tracking.pairs.bound[n]);
         // The walk over neighbours is a branch a step, so nodes beside their triangle leave the lanes for it.
         let foot = tracking::foot(&self.surface, position, &place(position, n), triangle);
         if foot.triangle != triangle || foot.is_over != (sign != 0.0) {
@@ -262,7 +250,7 @@ impl FilmContact {
         }
         let distance = sign * foot.distance;
         found.spared[entry] = due::spared(distance - bound - step.margins[1]);
-        (distance < tracking.limit(n, step.margins[0])).then_some(Pair {
+        (distance < tracking.pairs.limit(n, bound + step.margins[0])).then_some(Pair {
             nodes: [n as u32, corners[0], corners[1], corners[2]],
             weights: [1.0, -a, -b, -c],
             normal: foot.normal * sign,
@@ -273,44 +261,27 @@ impl FilmContact {
 
     /// Constraints of the listed crossings.
     fn detect_crossings(&self, pool: &ThreadPool, step: Step<'_>, found: &mut Found) {
-        let Step { nodes, dt, margins, .. } = step;
-        let crossings = &self.crossings;
-        let Found { places, spared, crossings: of_crossings, .. } = &mut *found;
-        close_crossings(pool.width(), crossings, &nodes.position, places, margins, spared, of_crossings);
-        for k in 0..found.crossings.close.len() {
-            let CloseCrossing { entry, shares: [s, t], normal, distance } = found.crossings.close[k];
-            let place = found.places[entry] as usize;
-            let [first, second, third, fourth] = &crossings.nodes;
-            let pair = Pair {
-                nodes: [first[place], second[place], third[place], fourth[place]],
-                weights: [1.0 - s, s, t - 1.0, -t],
-                normal: Vector3::from(normal),
-                distance,
-                bound: crossings.bound[place],
-            };
-            let source = Source::Crossing(crossings.edges(place));
-            found.add(entry, Constraint::new(source, pair, nodes, dt));
-        }
+        let crossings = &self.history.crossings;
+        close_crossings(pool.width(), crossings, &step.nodes.position, step.margins, found);
+        let nodes = |place: usize| [0, 1, 2, 3].map(|k| crossings.nodes[k][place]);
+        found.add_close(step, &crossings.pairs, |place| (Source::Crossing(crossings.edges(place)), nodes(place)));
     }
 
     /// Constraints of the listed pairs of a face.
     fn detect_itself(&self, step: Step<'_>, found: &mut Found) {
-        let Step { nodes, dt, margins, .. } = step;
         let Some(itself) = &self.itself else { return };
-        let step = self_contact::Step { surface: &self.surface, nodes, dt, margins };
         let Found { places, spared, itself: of_pairs, .. } = &mut *found;
         itself.detect(step, places, spared, of_pairs);
         for (entry, parts, pair) in std::mem::take(&mut found.itself.close) {
-            found.add(entry, Constraint::new(Source::Itself(parts), pair, nodes, dt));
+            found.add(entry, Constraint::new(Source::Itself(parts), pair, step.nodes, step.dt));
         }
     }
 
     /// Least distance of the crossings, m, where one is less than `distance`.
     pub(super) fn least_of_crossings(&self, position: &Vectors, distance: f64, pool: &ThreadPool) -> f64 {
-        let Found { mut places, mut spared, crossings: mut found, .. } = Found::default();
-        places.extend(self.crossings.places().map(|place| place as u32));
-        let margins = [f64::INFINITY; 2];
-        close_crossings(pool.width(), &self.crossings, position, &places, margins, &mut spared, &mut found);
+        let places = self.history.crossings.places().map(|place| place as u32).collect();
+        let mut found = Found { places, ..Found::default() };
+        close_crossings(pool.width(), &self.history.crossings, position, [f64::INFINITY; 2], &mut found);
         found.close.iter().map(|close| close.distance).fold(distance, f64::min)
     }
 
@@ -322,59 +293,50 @@ impl FilmContact {
         let path = self.history.path + 2.0 * self.motion(position, Width::best());
         let is_spared = |due: f64| due.is_finite() && due > path;
         let [mut all, mut close] = [0; 2];
-        for tracking in &self.tracking {
-            for n in (0..tracking.noted.due.len()).filter(|n| is_spared(tracking.noted.due[*n])) {
+        for tracking in &self.history.tracking {
+            for n in (0..tracking.triangle.len()).filter(|n| is_spared(tracking.pairs.due[*n])) {
                 let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
                 all += 1;
-                close += usize::from(foot.is_over && tracking.sign[n] * foot.distance < tracking.bound[n]);
+                close += usize::from(foot.is_over && tracking.pairs.sign[n] * foot.distance < tracking.pairs.bound[n]);
             }
         }
-        let spared = self.crossings.places().filter(|place| is_spared(self.crossings.noted.due[*place]));
-        let places: Vec<u32> = spared.map(|place| place as u32).collect();
-        let mut found = FoundCrossings::default();
-        close_crossings(Width::best(), &self.crossings, position, &places, [0.0; 2], &mut vec![], &mut found);
-        [all + places.len(), close + found.close.len()]
+        let spared =
+            self.history.crossings.places().filter(|place| is_spared(self.history.crossings.pairs.due[*place]));
+        let mut found = Found { places: spared.map(|place| place as u32).collect(), ..Found::default() };
+        close_crossings(Width::best(), &self.history.crossings, position, [0.0; 2], &mut found);
+        [all + found.places.len(), close + found.close.len()]
     }
 }
 
-/// A node over its triangle.
+/// Velocity of a node over its foot along the normal, m/s.
+fn approach(surface: &Surface, nodes: &Nodes, node: usize, foot: &Foot) -> f64 {
+    let corners = surface.corners[foot.triangle as usize];
+    let film: Vector3<f64> = (0..3).map(|k| nodes.velocity_of(corners[k] as usize) * foot.weights[k]).sum();
+    (nodes.velocity_of(node) - film).dot(&foot.normal)
+}
+
+/// A node over its triangle, or two edges that cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct CloseNode {
-    /// Its place among the listed ones.
+struct Close {
+    /// Its entry among the places.
     entry: usize,
-    /// Of the triangle's corners, in the order of [`Tracking::corners`].
-    weights: [f64; 3],
-    /// Unit normal on the side on which the node belongs.
+    /// Of its nodes: of the node and the corners in the order of [`Tracking::corners`], or of the ends of both edges.
+    weights: [f64; 4],
+    /// Unit normal on the side on which the node, or the first edge, belongs.
     normal: [f64; 3],
     /// Along it, m.
     distance: f64,
 }
 
-/// Results of a task among nodes.
-#[derive(Clone, Debug, Default)]
-struct FoundNodes {
-    close: Vec<CloseNode>,
-    /// Places among the listed ones of nodes that are not over their triangle, or on no side of it so far.
-    beside: Vec<usize>,
-    /// Nodes that do not lie on a corner any more.
-    off_corner: Vec<u32>,
-}
-
 at_width! {
-    /// Adds those of the `listed` nodes that are closer to the plane of their triangle than allowed, or by less than the
-    /// first of the `margins` (m) farther, those that are not over it any more, and those that have left its corner, to
-    /// `found`; to `spared` the path that film may cover until each is looked at again.
-    fn close_nodes[](
-        tracking: &Tracking,
-        position: &Vectors,
-        listed: &[u32],
-        margins: [f64; 2],
-        spared: &mut Vec<f64>,
-        found: &mut FoundNodes,
-    ) {
+    /// Finds those of the nodes at the places that are closer to the plane of their triangle than allowed, or by less than
+    /// the first of the `margins` (m) farther, those that are not over it any more, those that have left its corner, and the
+    /// path that film may cover until each is looked at again.
+    fn close_nodes[](tracking: &Tracking, position: &Vectors, margins: [f64; 2], found: &mut Found) {
         // One function: its parts would each gather the lanes again, or be calls.
+        let Found { places: listed, spared, close, beside: not_over, turned, .. } = found;
         let [margin, widest] = margins;
-        let [first, second, third] = &tracking.corners;
+        let Tracking { corners: [first, second, third], pairs, .. } = tracking;
         for start in (0..listed.len()).step_by(LANES) {
             let count = LANES.min(listed.len() - start);
             let (mut nodes, mut corners) = ([0_u32; LANES], [[0_u32; LANES]; 3]);
@@ -384,8 +346,8 @@ at_width! {
                 nodes[l] = listed[start + l.min(count - 1)];
                 let n = nodes[l] as usize;
                 (corners[0][l], corners[1][l], corners[2][l]) = (first[n], second[n], third[n]);
-                (sign[l], on_corner[l], bound[l]) = (tracking.sign[n], tracking.on_corner[n], tracking.bound[n]);
-                limit[l] = tracking.limit(n, margin);
+                (sign[l], on_corner[l], bound[l]) = (pairs.sign[n], tracking.on_corner[n], pairs.bound[n]);
+                limit[l] = pairs.limit(n, pairs.bound[n] + margin);
             }
             let p = position.gather(&nodes);
             let a = position.gather(&corners[0]);
@@ -422,63 +384,31 @@ at_width! {
             }
             for l in 0..count {
                 if is_over[l] == 0 {
-                    found.beside.push(start + l);
+                    not_over.push(start + l);
                 }
                 if is_off[l] != 0 {
-                    found.off_corner.push(nodes[l]);
+                    turned.push(nodes[l]);
                 }
                 if is_close[l] != 0 {
                     let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
                     let scale = sign[l] / length[l];
                     let normal = [area[0][l] * scale, area[1][l] * scale, area[2][l] * scale];
-                    found.close.push(CloseNode {
-                        entry: start + l,
-                        weights: [1.0 - b - c, b, c],
-                        normal,
-                        distance: distance[l],
-                    });
+                    let weights = [1.0, -(1.0 - b - c), -b, -c];
+                    close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
                 }
             }
         }
     }
 }
 
-/// Two edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct CloseCrossing {
-    /// Its place among the listed ones.
-    entry: usize,
-    /// Where they cross, over the length of each.
-    shares: [f64; 2],
-    /// Unit vector from the second edge to the first.
-    normal: [f64; 3],
-    /// Along it, m.
-    distance: f64,
-}
-
-/// Results of a task among crossings.
-#[derive(Clone, Debug, Default)]
-struct FoundCrossings {
-    close: Vec<CloseCrossing>,
-    /// Places of those that have become parallel, or are so no more.
-    turned: Vec<usize>,
-}
-
 at_width! {
-    /// Adds those of the crossings at `places` that are closer than allowed, or by less than the first of the `margins`
-    /// (m) farther, and those that have turned, to `found`; to `spared` the path that film may cover until each is
-    /// looked at again.
-    fn close_crossings[](
-        crossings: &Crossings,
-        position: &Vectors,
-        places: &[u32],
-        margins: [f64; 2],
-        spared: &mut Vec<f64>,
-        found: &mut FoundCrossings,
-    ) {
+    /// Finds those of the crossings at the places that are closer than allowed, or by less than the first of the `margins`
+    /// (m) farther, those that have turned, and the path that film may cover until each is looked at again.
+    fn close_crossings[](crossings: &Crossings, position: &Vectors, margins: [f64; 2], found: &mut Found) {
         // One function, as that of nodes.
+        let Found { places, spared, close, turned, .. } = found;
         let [margin, widest] = margins;
-        let [first, second, third, fourth] = &crossings.nodes;
+        let Crossings { nodes: [first, second, third, fourth], pairs, .. } = crossings;
         for start in (0..places.len()).step_by(LANES) {
             let count = LANES.min(places.len() - start);
             let mut nodes = [[0_u32; LANES]; 4];
@@ -486,7 +416,8 @@ at_width! {
             for l in 0..LANES {
                 let n = places[start + l.min(count - 1)] as usize;
                 (nodes[0][l], nodes[1][l], nodes[2][l], nodes[3][l]) = (first[n], second[n], third[n], fourth[n]);
-                (sign[l], bound[l], limit[l]) = (crossings.sign[n], crossings.bound[n], crossings.limit(n, margin));
+                (sign[l], bound[l]) = (pairs.sign[n], pairs.bound[n]);
+                limit[l] = pairs.limit(n, pairs.bound[n] + margin);
             }
             let (a, b) = (position.gather(&nodes[0]), position.gather(&nodes[1]));
             let (c, d) = (position.gather(&nodes[2]), position.gather(&nodes[3]));
@@ -528,15 +459,13 @@ at_width! {
             }
             for l in 0..count {
                 if has_turned[l] != 0 {
-                    found.turned.push(places[start + l] as usize);
+                    turned.push(places[start + l]);
                 }
                 if is_close[l] != 0 {
-                    found.close.push(CloseCrossing {
-                        entry: start + l,
-                        shares: [s[l] / squared[l], t[l] / squared[l]],
-                        normal: [across[0][l] * factor[l], across[1][l] * factor[l], across[2][l] * factor[l]],
-                        distance: distance[l],
-                    });
+                    let (s, t) = (s[l] / squared[l], t[l] / squared[l]);
+                    let normal = [across[0][l] * factor[l], across[1][l] * factor[l], across[2][l] * factor[l]];
+                    let weights = [1.0 - s, s, t - 1.0, -t];
+                    close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
                 }
             }
         }

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::FilmContact;
-use super::constraint::Source;
-use super::due::Noted;
+use super::constraint::{Constraint, Source};
+use super::due::Pairs;
 use super::surface::NONE;
+use super::{FilmContact, History};
 use crate::engine::nodes::Nodes;
 use crate::engine::thread_pool::ThreadPool;
 
@@ -72,12 +72,13 @@ impl FilmContact {
             carried.apply(-1.0, nodes, dt);
         }
         for k in 0..self.constraints.len() {
-            let marked = self.entry(self.constraints[k].source).map_or(NONE, |(entry, place)| entry.carried[place]);
+            let marked = self.place(self.constraints[k].source).map_or(NONE, |(pairs, place)| pairs.carried[place]);
             if let Some(carried) = self.history.carried.get(marked as usize) {
                 // Along the present normal, which has turned since: the old impulse was taken back above and is not
                 // simply kept.
                 self.constraints[k].start_from(carried, &mut nodes.velocity);
-                self.constraints[k].move_nodes(&mut nodes.position, dt);
+                let Constraint { impulse, points, .. } = &mut self.constraints[k];
+                impulse.move_nodes(points, &mut nodes.position, dt);
             }
         }
         self.mark_carried(|_| NONE);
@@ -104,24 +105,21 @@ impl FilmContact {
     /// Marks what has impulses of the last step with `mark`, a function of the place of that impulse.
     fn mark_carried(&mut self, mark: impl Fn(u32) -> u32) {
         for k in 0..self.history.carried.len() {
-            if let Some((entry, place)) = self.entry(self.history.carried[k].source) {
-                entry.carried[place] = mark(k as u32);
+            if let Some((pairs, place)) = self.place(self.history.carried[k].source) {
+                pairs.carried[place] = mark(k as u32);
             }
         }
     }
 
-    /// What is noted of the node, the crossing or the pair that a constraint belongs to, and its place there.
-    pub(super) fn entry(&mut self, source: Source) -> Option<(&mut Noted, usize)> {
+    /// The pairs of the kind to which a constraint belongs, and the place of its own one.
+    pub(super) fn place(&mut self, source: Source) -> Option<(&mut Pairs, usize)> {
+        let History { tracking, crossings, .. } = &mut self.history;
         match source {
-            Source::Node { side, node } => Some((&mut self.tracking[side].noted, node as usize)),
-            Source::Crossing(edges) => {
-                let place = self.crossings.place(edges)?;
-                Some((&mut self.crossings.noted, place))
-            }
+            Source::Node { side, node } => Some((&mut tracking[side].pairs, node as usize)),
+            Source::Crossing(edges) => crossings.place(edges).map(|place| (&mut crossings.pairs, place)),
             Source::Itself(parts) => {
-                let pairs = &mut self.itself.as_mut()?.pairs;
-                let place = pairs.place(parts)?;
-                Some((&mut pairs.noted, place))
+                let of_faces = &mut self.itself.as_mut()?.state.pairs;
+                of_faces.place(parts).map(|place| (&mut of_faces.pairs, place))
             }
         }
     }
@@ -129,7 +127,9 @@ impl FilmContact {
     /// Moves the nodes by the impulses so far. Where they have moved by these and by other contacts farther than the
     /// detection allows for, adds what has come too close, and returns true.
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
-        self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
+        for Constraint { impulse, points, .. } in &mut self.constraints {
+            impulse.move_nodes(points, &mut nodes.position, dt);
+        }
         let motion = self.motion(&nodes.position, pool.width());
         self.history.pushed = self.history.pushed.max(motion);
         // Both films may have moved by that.
@@ -172,7 +172,7 @@ impl FilmContact {
         // confirmed it.
         *skips = !is_settled;
         if is_whole && !is_settled {
-            active.retain(|place| self.constraints[*place].is_active());
+            active.retain(|place| self.constraints[*place].impulse.is_active());
         }
         *has_converged = is_whole && is_settled;
         *has_converged
@@ -203,8 +203,8 @@ impl FilmContact {
         self.history.carried.clear();
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
-            constraint.move_nodes(position, dt);
-            if !constraint.is_active() {
+            constraint.impulse.move_nodes(&constraint.points, position, dt);
+            if !constraint.impulse.is_active() {
                 continue;
             }
             self.history.carried.push(constraint.carried());
@@ -221,7 +221,7 @@ impl FilmContact {
 
     /// Nodes that press on another face.
     pub(super) fn pressed_nodes(&self) -> usize {
-        let active = self.constraints.iter().filter(|constraint| constraint.is_active());
+        let active = self.constraints.iter().filter(|constraint| constraint.impulse.is_active());
         let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.points.weighted()).collect();
         pressed.sort_unstable();
         pressed.dedup();

@@ -180,3 +180,8 @@ impl Surface {
 pub(super) fn place(position: &Vectors, node: usize) -> Vector3<f64> {
     Vector3::from(position.value_at(node))
 }
+
+/// Whether all numbers are below `end`: those of a stored state, which may be damaged.
+pub(super) fn are_below(numbers: &[u32], end: usize) -> bool {
+    numbers.iter().all(|number| (*number as usize) < end)
+}

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::due::Noted;
-use super::surface::{NONE, Surface};
+use super::due::Pairs;
+use super::surface::{NONE, Surface, are_below};
 use crate::engine::nodes::Vectors;
 
 /// Share of an element by which a node may lie beside its triangle until it is followed to the next one.
@@ -22,7 +22,7 @@ const OFF_CORNER: f64 = 1.0;
 const HOPS: usize = 64;
 
 /// For every node the nearest triangle of a face on one side of its own in the order of the faces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Tracking {
     /// [`NONE`] where no triangle is near.
     pub(super) triangle: Vec<u32>,
@@ -31,25 +31,8 @@ pub(super) struct Tracking {
     /// Square of the distance along the triangle, m², beyond which the node does not lie on that corner any more;
     /// infinite where it lies on none.
     pub(super) on_corner: Vec<f64>,
-    /// One where the node lies on the side of the triangle's normal, minus one on the other, zero where that is not
-    /// decided: beside the outline of the face.
-    pub(super) sign: Vec<f64>,
-    /// Least allowed distance, m.
-    pub(super) bound: Vec<f64>,
-    pub(super) noted: Noted,
-}
-
-/// History of a tracked node.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Tracked {
-    pub(super) node: u32,
-    triangle: u32,
-    /// First of the corners.
-    corner: u32,
-    on_corner: f64,
-    sign: f64,
-    bound: f64,
-    due: f64,
+    /// Of each node and its triangle; on no side beside the outline of the face.
+    pub(super) pairs: Pairs,
 }
 
 /// The point of a surface next to another one.
@@ -74,32 +57,24 @@ impl Tracking {
             triangle: vec![NONE; count],
             corners: [own.clone(), own.clone(), own],
             on_corner: vec![f64::INFINITY; count],
-            sign: vec![0.0; count],
-            bound: vec![0.0; count],
-            noted: Noted::new(count),
+            pairs: Pairs::none(count),
         }
-    }
-
-    /// Distance (m) below which there is a constraint of `node`, `margin` (m) beyond the least allowed one, as of [`Noted`].
-    #[inline(always)]
-    pub(super) fn limit(&self, node: usize, margin: f64) -> f64 {
-        self.noted.limit(node, self.bound[node] + margin)
     }
 
     /// Lets `node` follow `triangle` of `surface` on the side `sign`.
     pub(super) fn follow(&mut self, node: usize, triangle: u32, sign: f64, surface: &Surface) {
         self.triangle[node] = triangle;
-        self.sign[node] = sign;
+        self.pairs.sign[node] = sign;
         let corners = surface.corners[triangle as usize];
         (0..3).for_each(|k| self.corners[k][node] = corners[k]);
         self.on_corner[node] = f64::INFINITY;
-        self.noted.due[node] = 0.0;
+        self.pairs.due[node] = 0.0;
     }
 
     /// Decides whether `node` lies on a corner of its triangle, if that is not known: within [`ON_CORNER`] of the least
     /// allowed distance along the triangle, until it is [`OFF_CORNER`] of it away.
     pub(super) fn find_corner(&mut self, node: usize, position: &Vectors) {
-        if self.triangle[node] == NONE || self.sign[node] == 0.0 || self.on_corner[node].is_finite() {
+        if self.triangle[node] == NONE || self.pairs.sign[node] == 0.0 || self.on_corner[node].is_finite() {
             return;
         }
         let corners = self.corners.each_ref().map(|corner| corner[node]);
@@ -109,9 +84,9 @@ impl Tracking {
         for (k, corner) in [a, b, c].iter().enumerate() {
             let from = point - corner;
             let along = from - normal * from.dot(&normal);
-            if along.norm() <= ON_CORNER * self.bound[node] {
+            if along.norm() <= ON_CORNER * self.pairs.bound[node] {
                 (0..3).for_each(|l| self.corners[l][node] = corners[(k + l) % 3]);
-                self.on_corner[node] = (OFF_CORNER * self.bound[node]).powi(2);
+                self.on_corner[node] = (OFF_CORNER * self.pairs.bound[node]).powi(2);
                 return;
             }
         }
@@ -132,48 +107,17 @@ impl Tracking {
         self.triangle[node] = NONE;
         self.corners.iter_mut().for_each(|corner| corner[node] = node as u32);
         self.on_corner[node] = f64::INFINITY;
-        self.sign[node] = 0.0;
-        self.noted.due[node] = f64::INFINITY;
+        self.pairs.sign[node] = 0.0;
+        self.pairs.due[node] = f64::INFINITY;
     }
 
-    /// History of the tracked nodes.
-    pub(super) fn save(&self) -> Vec<Tracked> {
-        let tracked = (0..self.triangle.len()).filter(|n| self.triangle[*n] != NONE);
-        let entry = |n: usize| Tracked {
-            node: n as u32,
-            triangle: self.triangle[n],
-            corner: self.corners[0][n],
-            on_corner: self.on_corner[n],
-            sign: self.sign[n],
-            bound: self.bound[n],
-            due: self.noted.due[n],
-        };
-        tracked.map(entry).collect()
-    }
-
-    /// Restores the history of the same faces.
-    pub(super) fn restore(&mut self, saved: &[Tracked], surface: &Surface) {
-        *self = Tracking::new(self.triangle.len());
-        for Tracked { node, triangle, corner, on_corner, sign, bound, due } in saved {
-            let n = *node as usize;
-            self.follow(n, *triangle, *sign, surface);
-            // Corners are stored in the order of the mesh; what lies under the node was turned to be the first.
-            while self.corners[0][n] != *corner {
-                let [a, b, c] = self.corners.each_ref().map(|corner| corner[n]);
-                (self.corners[0][n], self.corners[1][n], self.corners[2][n]) = (b, c, a);
-            }
-            self.on_corner[n] = *on_corner;
-            self.bound[n] = *bound;
-            self.noted.due[n] = *due;
-        }
-    }
-}
-
-impl Tracked {
     /// Whether it fits a scene of so many nodes with the triangles of `surface`.
     pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
-        let corners = surface.corners.get(self.triangle as usize);
-        (self.node as usize) < nodes && corners.is_some_and(|corners| corners.contains(&self.corner))
+        let triangles = surface.corners.len();
+        [self.triangle.len(), self.on_corner.len()] == [nodes; 2]
+            && self.pairs.fits(nodes)
+            && self.triangle.iter().all(|triangle| *triangle == NONE || (*triangle as usize) < triangles)
+            && self.corners.iter().all(|corner| corner.len() == nodes && are_below(corner, nodes))
     }
 }
 

@@ -8,14 +8,15 @@
 use nalgebra::Vector3;
 
 use super::closest::{Feature, at, distance_of_segments, distance_to_triangle, on_triangle};
-use super::pairs::{Known, Parts, SelfPair};
+use super::pairs::{Known, Parts};
 use super::{LEAST, SelfContact};
 use crate::engine::film_contact::constraint::Pair;
 use crate::engine::film_contact::crossing::PARALLEL;
-use crate::engine::film_contact::due;
+use crate::engine::film_contact::due::{self, Pairs};
+use crate::engine::film_contact::narrow_phase::Step;
 use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::film_contact::tracking::{BESIDE, normal_of, project};
-use crate::engine::nodes::{Nodes, Vectors};
+use crate::engine::nodes::Vectors;
 
 /// Cosine of the angle between a direction of contact and film beside its foot above which another part of that film is
 /// nearer, for a node beside an edge or a corner.
@@ -30,18 +31,6 @@ const DOUBTFUL: f64 = 0.5;
 
 /// Least area of a triangle over the square of its longest side for which it has a normal.
 const NARROW: f64 = 1e-6;
-
-/// A step in which pairs are looked at.
-#[derive(Clone, Copy)]
-pub(in crate::engine::film_contact) struct Step<'a> {
-    pub(in crate::engine::film_contact) surface: &'a Surface,
-    /// With their predicted positions.
-    pub(in crate::engine::film_contact) nodes: &'a Nodes,
-    /// s.
-    pub(in crate::engine::film_contact) dt: f64,
-    /// Distance beyond the least allowed one up to which there is a constraint, and the largest one in any step, m.
-    pub(in crate::engine::film_contact) margins: [f64; 2],
-}
 
 /// Results of a task.
 #[derive(Default)]
@@ -80,7 +69,7 @@ impl SelfContact {
     ) {
         for (entry, place) in places.iter().enumerate() {
             let at = *place as usize;
-            let pair = self.pairs.known(at);
+            let pair = self.state.pairs.known(at);
             let Looked { sign, apart, close } = match pair.parts {
                 Parts::Node { node, triangle } => self.node(step, &pair, node, triangle),
                 Parts::Edges(edges) => self.edges(step, &pair, edges),
@@ -95,7 +84,7 @@ impl SelfContact {
                 found.changed.push((*place, [sign, bound]));
             }
             if let Some(close) =
-                close.filter(|close| close.distance < self.pairs.noted.limit(at, bound + step.margins[0]))
+                close.filter(|close| close.distance < self.state.pairs.pairs.limit(at, bound + step.margins[0]))
             {
                 found.close.push((entry, pair.parts, close));
             }
@@ -105,24 +94,25 @@ impl SelfContact {
     /// Takes over what was found of the sides of pairs.
     pub(in crate::engine::film_contact) fn follow(&mut self, found: &FoundPairs) {
         for (place, [sign, bound]) in &found.changed {
-            (self.pairs.sign[*place as usize], self.pairs.bound[*place as usize]) = (*sign, *bound);
+            let Pairs { sign: signs, bound: bounds, .. } = &mut self.state.pairs.pairs;
+            (signs[*place as usize], bounds[*place as usize]) = (*sign, *bound);
         }
     }
 
     /// Gives the pair at `place` up: its side is decided anew.
     pub(in crate::engine::film_contact) fn lose(&mut self, place: usize) {
-        self.pairs.sign[place] = 0.0;
+        self.state.pairs.pairs.sign[place] = 0.0;
     }
 
     /// Distance (m) that the points of the pair at `place` may not come closer than. Points that did not touch before and
     /// are found too close, as beside a new tear, are kept from coming closer, but not pushed apart until they are as far
     /// as any.
     fn allowed(&self, step: Step<'_>, place: usize, close: &Pair) -> f64 {
-        let whole = self.pairs.whole[place];
+        let whole = self.state.pairs.whole[place];
         let before = before(step, close);
         if before >= whole {
             whole
-        } else if self.pairs.noted.carried[place] == NONE {
+        } else if self.state.pairs.pairs.carried[place] == NONE {
             close.bound.min(before.max(LEAST * whole))
         } else {
             close.bound
@@ -185,8 +175,8 @@ impl SelfContact {
             if other == NONE || normal_of(step.surface, &self.start, other).dot(&normal) < 0.0 {
                 return None;
             }
-            let place = self.pairs.place(Parts::Node { node, triangle: other })?;
-            let sign = self.pairs.sign[place];
+            let place = self.state.pairs.place(Parts::Node { node, triangle: other })?;
+            let sign = self.state.pairs.pairs.sign[place];
             (sign != 0.0).then_some(sign)
         });
         known.into_iter().next().unwrap_or(own)
@@ -369,7 +359,7 @@ fn is_narrow([a, b, c]: &[Vector3<f64>; 3]) -> bool {
 }
 
 /// Distance of the parts of a pair, m, where they are over or across each other on the side on which they belong.
-pub(super) fn signed_distance(surface: &Surface, position: &Vectors, pair: &SelfPair) -> f64 {
+pub(super) fn signed_distance(surface: &Surface, position: &Vectors, pair: &Known) -> f64 {
     let on_side = match pair.parts {
         _ if pair.sign == 0.0 => None,
         Parts::Node { node, triangle } => {

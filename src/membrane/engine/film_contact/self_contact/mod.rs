@@ -12,8 +12,8 @@ mod hierarchy;
 mod pairs;
 mod topology;
 
-pub(super) use detection::{FoundPairs, Step};
-pub(super) use pairs::{Pairs, Parts};
+pub(super) use detection::FoundPairs;
+pub(super) use pairs::{Parts, SelfPairs};
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,6 @@ use crate::engine::film::Film;
 use crate::engine::nodes::{Nodes, Vectors};
 use detection::{distance_within, signed_distance};
 use hierarchy::Hierarchy;
-use pairs::SelfPair;
 use topology::Topology;
 
 /// Distance up to which parts of a face are searched for, over the mean edge of its elements as mounted.
@@ -51,9 +50,15 @@ pub(super) struct SelfContact {
     has_open_edges: Vec<bool>,
     /// Least allowed distance of each face, m.
     bound: Vec<f64>,
-    pub(super) pairs: Pairs,
     /// Positions before the nodes move in a step, m.
     start: Vectors,
+    pub(super) state: State,
+}
+
+/// What contact of faces with themselves keeps from step to step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in crate::engine) struct State {
+    pub(super) pairs: SelfPairs,
     /// Motion of film over itself that is left until it is looked at whether it has to be searched again, m.
     margin: f64,
     /// Positions at the last search, m, and the motion of film over itself that it allows for, m.
@@ -62,16 +67,6 @@ pub(super) struct SelfContact {
     detected: Vectors,
     /// Path of film over itself so far, m, as of [`super::due`], but for its motion as a whole.
     pub(super) path: f64,
-}
-
-/// History of the contact of faces with themselves.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct SelfContactHistory {
-    pairs: Vec<SelfPair>,
-    margin: f64,
-    searched: (Vectors, f64),
-    detected: Vectors,
-    path: f64,
 }
 
 impl SelfContact {
@@ -101,18 +96,14 @@ impl SelfContact {
             reach,
             has_open_edges,
             bound,
-            pairs: Pairs::default(),
             start: Vectors::default(),
-            margin: 0.0,
-            searched: Default::default(),
-            detected: Vectors::default(),
-            path: 0.0,
+            state: State::default(),
         }
     }
 
     /// Searches anew before the next step, after film was moved.
     pub(super) fn invalidate(&mut self) {
-        (self.margin, self.searched.1) = (0.0, 0.0);
+        (self.state.margin, self.state.searched.1) = (0.0, 0.0);
     }
 
     /// Takes over that triangles of `surface` were deleted.
@@ -126,7 +117,7 @@ impl SelfContact {
     /// Reduces the motion that is left until the next search, after a step in which nodes have moved by at most
     /// `distance` (m).
     pub(super) fn reduce_margin(&mut self, distance: f64) {
-        self.margin -= 2.0 * distance;
+        self.state.margin -= 2.0 * distance;
     }
 
     /// Searches where that is due, before the nodes move in a step, and records their positions. In the last step nodes
@@ -135,35 +126,35 @@ impl SelfContact {
         // The next step may be a larger motion than the last one. A motion that is not finite must not leave a list in use
         // for ever.
         let next = 2.0 * (2.0 * last_motion);
-        if self.margin.is_nan() || self.margin <= next {
+        let State { margin, searched: (searched, allowed), .. } = &mut self.state;
+        if margin.is_nan() || *margin <= next {
             // Film that flies moves over itself much less than through space.
-            let (searched, allowed) = &self.searched;
-            self.margin = allowed - 2.0 * relative_motion(searched, &nodes.position);
-            if self.margin.is_nan() || self.margin <= next {
+            *margin = *allowed - 2.0 * relative_motion(searched, &nodes.position);
+            if margin.is_nan() || *margin <= next {
                 self.search(surface, &nodes.position, last_motion);
-                self.searched.0.clone_from(&nodes.position);
-                self.searched.1 = self.margin;
+                self.state.searched = (nodes.position.clone(), self.state.margin);
             }
         }
-        if !self.pairs.is_empty() {
+        if !self.state.pairs.is_empty() {
             self.start.clone_from(&nodes.position);
         }
     }
 
     /// Notes the positions of a detection.
     pub(super) fn add_path(&mut self, position: &Vectors) {
-        if self.pairs.is_empty() {
+        let State { pairs, path, detected, .. } = &mut self.state;
+        if pairs.is_empty() {
             return;
         }
         // Both parts may have moved by that.
-        self.path += 2.0 * relative_motion(&self.detected, position);
-        self.detected.clone_from(position);
+        *path += 2.0 * relative_motion(detected, position);
+        detected.clone_from(position);
     }
 
     /// Finds all pairs that are near.
     fn search(&mut self, surface: &Surface, position: &Vectors, last_motion: f64) {
         let mut found = vec![];
-        self.margin = f64::INFINITY;
+        let mut margin = f64::INFINITY;
         for face in 0..self.hierarchies.len() {
             let (reach, bound) = (self.reach[face], self.bound[face]);
             let hierarchy = &mut self.hierarchies[face];
@@ -171,53 +162,39 @@ impl SelfContact {
             if !self.has_open_edges[face] {
                 let spared = hierarchy.spared(bound);
                 if spared > SPARED_STEPS * 2.0 * last_motion && spared > 0.0 {
-                    self.margin = self.margin.min(spared);
+                    margin = margin.min(spared);
                     continue;
                 }
             }
             // What is not found is farther than `reach`.
-            self.margin = self.margin.min(reach - bound);
+            margin = margin.min(reach - bound);
             hierarchy.refit(surface, position);
             let topology = &self.topology;
             hierarchy.for_each_pair(surface, reach, &mut |one, other| {
                 topology.candidates(surface, [one, other], &mut |parts| {
                     if distance_within(surface, position, parts, reach).is_some() {
-                        found.push(SelfPair { parts, sign: 0.0, bound, whole: bound, due: 0.0 });
+                        found.push((parts, bound));
                     }
                 });
             });
         }
-        found.sort_unstable_by_key(|pair| pair.parts);
-        let pairs = &self.pairs;
-        let with_history = found.into_iter().map(|pair| pairs.place(pair.parts).map_or(pair, |place| pairs.get(place)));
-        let all: Vec<SelfPair> = with_history.collect();
-        self.pairs.replace(all);
+        self.state.pairs = self.state.pairs.renewed(found);
+        self.state.margin = margin;
     }
 
     /// Least distance of the pairs, m, where it is less than `distance`; where film passes through film, less the largest
     /// depth.
     pub(super) fn least_distance(&self, surface: &Surface, position: &Vectors, distance: f64) -> f64 {
-        let of_pair = |place: usize| signed_distance(surface, position, &self.pairs.get(place));
-        let least = self.pairs.places().map(of_pair).fold(distance, f64::min);
+        let of_pair = |place: usize| signed_distance(surface, position, &self.state.pairs.known(place));
+        let least = self.state.pairs.places().map(of_pair).fold(distance, f64::min);
         let depth = self.largest_depth(surface, position);
         if depth > 0.0 { least.min(-depth) } else { least }
     }
 
-    /// The history after the last step.
-    pub(super) fn save(&self) -> SelfContactHistory {
-        let pairs = self.pairs.places().map(|place| self.pairs.get(place)).collect();
-        let (searched, detected) = (self.searched.clone(), self.detected.clone());
-        SelfContactHistory { pairs, margin: self.margin, searched, detected, path: self.path }
-    }
-
-    /// Restores the history of the same faces, with the deleted elements that `surface` has.
-    pub(super) fn restore(&mut self, history: SelfContactHistory, surface: &Surface) {
+    /// Restores the state of the same faces, with the deleted elements that `surface` has.
+    pub(super) fn restore(&mut self, state: State, surface: &Surface) {
         self.remove_deleted(surface);
-        self.pairs.replace(history.pairs);
-        self.margin = history.margin;
-        self.searched = history.searched;
-        self.detected = history.detected;
-        self.path = history.path;
+        self.state = state;
     }
 }
 
@@ -249,13 +226,11 @@ fn relative_motion(before: &Vectors, after: &Vectors) -> f64 {
     largest.sqrt()
 }
 
-impl SelfContactHistory {
+impl State {
     /// Whether it fits a scene of so many nodes on `surface`.
     pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
         let positions = [&self.searched.0, &self.detected];
-        self.pairs.iter().all(|pair| pair.fits(nodes, surface))
-            && self.pairs.is_sorted_by_key(|pair| pair.parts)
-            && positions.iter().all(|all| all.is_whole() && [0, nodes].contains(&all.len()))
+        self.pairs.fits(nodes, surface) && positions.iter().all(|all| all.is_whole() && [0, nodes].contains(&all.len()))
     }
 }
 

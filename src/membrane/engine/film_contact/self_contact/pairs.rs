@@ -5,8 +5,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::SelfContact;
-use crate::engine::film_contact::due::Noted;
-use crate::engine::film_contact::surface::Surface;
+use crate::engine::film_contact::due::Pairs;
+use crate::engine::film_contact::surface::{Surface, are_below};
 use crate::engine::nodes::Vectors;
 
 /// Parts of one face that may meet.
@@ -18,72 +18,45 @@ pub(in crate::engine::film_contact) enum Parts {
     Edges([u32; 2]),
 }
 
-/// Two parts of a face with their history.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(in crate::engine::film_contact) struct SelfPair {
+/// What is known of a pair at the start of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
     pub(super) parts: Parts,
     /// Factor on the normal of the triangle, or on the product of the edges, that makes it point to the node, or from
     /// the second edge to the first; zero where the node is not over the triangle, or the edges do not cross.
     pub(super) sign: f64,
     /// Least allowed distance, m.
     pub(super) bound: f64,
-    /// Least allowed distance of parts that were not closer when they were found, m.
-    pub(super) whole: f64,
-    /// Path of film up to which it need not be looked at, m, as of [`super::super::due`].
-    pub(super) due: f64,
-}
-
-/// What is known of a pair at the start of a step, as of [`SelfPair`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
-    pub(super) parts: Parts,
-    pub(super) sign: f64,
-    /// m.
-    pub(super) bound: f64,
 }
 
 /// All pairs in the order of their parts.
-#[derive(Debug, Default)]
-pub(in crate::engine::film_contact) struct Pairs {
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in crate::engine) struct SelfPairs {
     parts: Vec<Parts>,
-    pub(super) sign: Vec<f64>,
-    pub(super) bound: Vec<f64>,
+    /// Least allowed distance of parts that were not closer when they were found, m.
     pub(super) whole: Vec<f64>,
-    pub(in crate::engine::film_contact) noted: Noted,
-}
-
-impl SelfPair {
-    /// Whether it fits a scene of so many nodes on `surface`.
-    pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
-        self.parts.fits(nodes, surface.edges.len())
-            && match self.parts {
-                Parts::Node { triangle, .. } => (triangle as usize) < surface.corners.len(),
-                Parts::Edges(_) => true,
-            }
-    }
+    pub(in crate::engine::film_contact) pairs: Pairs,
 }
 
 impl Parts {
-    /// Whether its nodes and edges are among so many.
-    pub(in crate::engine::film_contact) fn fits(&self, nodes: usize, edges: usize) -> bool {
+    /// Whether it fits a scene of so many nodes on `surface`.
+    pub(in crate::engine::film_contact) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
         match self {
-            Parts::Node { node, .. } => (*node as usize) < nodes,
-            Parts::Edges(of) => of.iter().all(|edge| (*edge as usize) < edges),
+            Parts::Node { node, triangle } => {
+                are_below(&[*node], nodes) && are_below(&[*triangle], surface.corners.len())
+            }
+            Parts::Edges(edges) => are_below(edges, surface.edges.len()),
         }
     }
 }
 
-impl Pairs {
-    pub(in crate::engine::film_contact) fn len(&self) -> usize {
-        self.parts.len()
-    }
-
+impl SelfPairs {
     pub(in crate::engine::film_contact) fn is_empty(&self) -> bool {
         self.parts.is_empty()
     }
 
     /// Places of the list.
-    pub(super) fn places(&self) -> Range<usize> {
+    pub(in crate::engine::film_contact) fn places(&self) -> Range<usize> {
         0..self.parts.len()
     }
 
@@ -92,30 +65,30 @@ impl Pairs {
         self.parts.binary_search(&parts).ok()
     }
 
-    /// Replaces all by `pairs`, which are in order.
-    pub(super) fn replace(&mut self, pairs: impl IntoIterator<Item = SelfPair>) {
-        *self = Pairs::default();
-        for SelfPair { parts, sign, bound, whole, due } in pairs {
-            self.parts.push(parts);
-            self.sign.push(sign);
-            self.bound.push(bound);
-            self.whole.push(whole);
-            self.noted.push(due);
-        }
-    }
-
     pub(super) fn known(&self, place: usize) -> Known {
-        Known { parts: self.parts[place], sign: self.sign[place], bound: self.bound[place] }
+        Known { parts: self.parts[place], sign: self.pairs.sign[place], bound: self.pairs.bound[place] }
     }
 
-    pub(super) fn get(&self, place: usize) -> SelfPair {
-        SelfPair {
-            parts: self.parts[place],
-            sign: self.sign[place],
-            bound: self.bound[place],
-            whole: self.whole[place],
-            due: self.noted.due[place],
+    /// The `found` parts with their least allowed distances (m) as a list, with what is known of those that were listed.
+    pub(super) fn renewed(&self, mut found: Vec<(Parts, f64)>) -> SelfPairs {
+        found.sort_unstable_by_key(|(parts, _)| *parts);
+        let mut all = SelfPairs::default();
+        for (parts, bound) in found {
+            let known = self.place(parts);
+            all.whole.push(known.map_or(bound, |place| self.whole[place]));
+            all.pairs.push(known.map_or([0.0, bound, 0.0], |place| self.pairs.get(place)));
+            all.parts.push(parts);
         }
+        all
+    }
+
+    /// Whether they fit a scene of so many nodes on `surface`.
+    pub(super) fn fits(&self, nodes: usize, surface: &Surface) -> bool {
+        let count = self.parts.len();
+        self.whole.len() == count
+            && self.pairs.fits(count)
+            && self.parts.is_sorted()
+            && self.parts.iter().all(|parts| parts.fits(nodes, surface))
     }
 }
 
@@ -127,8 +100,8 @@ impl SelfContact {
     /// the two edges are a pair, but on triangles that are larger than the mean.
     pub(super) fn largest_depth(&self, surface: &Surface, position: &Vectors) -> f64 {
         let mut largest = 0.0_f64;
-        for place in self.pairs.places() {
-            let Parts::Edges([one, other]) = self.pairs.known(place).parts else { continue };
+        for place in self.state.pairs.places() {
+            let Parts::Edges([one, other]) = self.state.pairs.known(place).parts else { continue };
             for [edge, beside] in [[one, other], [other, one]] {
                 for triangle in self.topology.triangles_at(beside) {
                     let corners = surface.corners[triangle as usize];

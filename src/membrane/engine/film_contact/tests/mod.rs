@@ -184,7 +184,7 @@ impl Run {
             energies: view.energies(),
             contact: view.film_contact_state().unwrap(),
             crossings: crossings(view),
-            spared: view.film_contact.unwrap().count_spared(&view.nodes.position),
+            spared: view.engine.film_contact.as_ref().unwrap().count_spared(&view.nodes.position),
         })
     }
 }

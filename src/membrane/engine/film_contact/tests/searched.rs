@@ -44,7 +44,7 @@ impl Face {
         let mut itself = self.contact();
         let spared = itself.spared(&self.surface, &self.nodes.position);
         itself.prepare(&self.surface, &self.nodes, 0.0);
-        (spared, itself.pairs.len())
+        (spared, itself.state.pairs.places().len())
     }
 }
 
@@ -153,7 +153,11 @@ fn film_with_a_cut_is_searched_beside_it() {
         let mut itself = face.contact();
         itself.prepare(&face.surface, &face.nodes, 0.0);
         let expected = itself.parts_within(&face.surface, &face.nodes.position, None);
-        assert!(itself.pairs.len() > 20 && itself.pairs.len() == expected, "{} of {expected}", itself.pairs.len());
+        assert!(
+            itself.state.pairs.places().len() > 20 && itself.state.pairs.places().len() == expected,
+            "{} of {expected}",
+            itself.state.pairs.places().len()
+        );
     }
 }
 
@@ -205,7 +209,7 @@ fn no_film_that_meets_itself_is_missed() {
         if spared <= 0.0 {
             searched += 1;
             let expected = itself.parts_within(&face.surface, &face.nodes.position, None);
-            assert_eq!(itself.pairs.len(), expected, "sheet {sheet}");
+            assert_eq!(itself.state.pairs.places().len(), expected, "sheet {sheet}");
             let distance = itself.least_distance(&face.surface, &face.nodes.position, 1.0);
             untold += usize::from(crosses && distance >= 0.0);
             assert!(crosses || distance >= 0.0, "sheet {sheet}: {distance}");
@@ -239,8 +243,8 @@ fn film_that_does_not_fold_moves_as_without_contact() {
         while run.engine.time() < 0.025 {
             run.after(20);
             lowest = lowest.min(run.observe(|view| {
-                let itself = view.film_contact.and_then(|contact| contact.itself.as_ref());
-                assert!(itself.is_none_or(|itself| itself.pairs.is_empty()));
+                let itself = view.engine.film_contact.as_ref().and_then(|contact| contact.itself.as_ref());
+                assert!(itself.is_none_or(|itself| itself.state.pairs.is_empty()));
                 view.nodes.position.axes()[2].iter().copied().fold(0.0, f64::min)
             }));
         }
