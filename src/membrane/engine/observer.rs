@@ -38,19 +38,16 @@ impl Observer for Unobserved {
     }
 }
 
-/// Stores what `read` returns for the state at a step.
-struct Reading<F, T> {
-    read: F,
-    result: Option<T>,
-}
+/// Shows every state to a function.
+struct Reading<F>(F);
 
-impl<T, F: FnMut(&View<'_>) -> T> Observer for Reading<F, T> {
+impl<F: FnMut(&View<'_>)> Observer for Reading<F> {
     fn needs_state(&self, _: f64) -> bool {
         true
     }
 
     fn observe(&mut self, view: &View<'_>) -> Result<(), Fault> {
-        self.result = Some((self.read)(view));
+        (self.0)(view);
         Ok(())
     }
 }
@@ -63,10 +60,10 @@ impl Engine {
     ///
     /// # Panics
     /// Never: a step shows its state to an observer that needs it.
-    pub fn read_step<T>(&mut self, read: impl FnMut(&View<'_>) -> T) -> Result<T, Fault> {
-        let mut reading = Reading { read, result: None };
-        self.step(&mut reading)?;
-        Ok(reading.result.expect("a step shows its state"))
+    pub fn read_step<T>(&mut self, mut read: impl FnMut(&View<'_>) -> T) -> Result<T, Fault> {
+        let mut result = None;
+        self.step(&mut Reading(|view: &View<'_>| result = Some(read(view))))?;
+        Ok(result.expect("a step shows its state"))
     }
 }
 

@@ -108,49 +108,6 @@ pub(super) fn add_volume(
     });
 }
 
-/// A step of the nodes under gas.
-pub(super) struct GasStep {
-    /// Volume at its end, up to the constant of [`volume`], m³.
-    pub(super) target: f64,
-    /// The kick of the nodes.
-    pub(super) kick: Kick,
-    /// Duration of the drift that follows, s.
-    pub(super) dt: f64,
-    /// Acceleration of free film, m/s², downward.
-    pub(super) gravity: f64,
-}
-
-/// Adds the load of the gas under the last of `films` to the forces of its nodes, which have all others: its pressure
-/// is that under which the volume is the target after the step, to first order (theory.md, equation 227). What the
-/// order leaves is made up in the next step.
-pub(super) fn fill(films: &[Film], nodes: &mut Nodes, step: &GasStep) -> Inflated {
-    let Some(film) = films.last() else { return Inflated { pressure: 0.0, volume: 0.0 } };
-    let first = film.nodes.start;
-    let mut gradient = vec![Vector3::zeros(); film.nodes.len()];
-    let mut volume = 0.0;
-    add_volume(film, &nodes.position, 1.0, &mut volume, (first, &mut gradient));
-    // Growth of the volume without gas, and by a pressure of 1 Pa.
-    let (mut growth, mut response) = (0.0, 0.0);
-    for (area, n) in gradient.iter().zip(film.nodes.clone()) {
-        let (inverse_mass, velocity, force) =
-            (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
-        for axis in 0..3 {
-            let field = if axis == 2 { -step.gravity } else { 0.0 };
-            // Held nodes with a velocity, as at jaws, change the volume too.
-            let is_free = inverse_mass[axis] > 0.0;
-            let after = step.kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);
-            growth += area[axis] * if is_free { after } else { velocity[axis] };
-            response += area[axis] * area[axis] * step.kick.after(0.0, inverse_mass[axis]);
-        }
-    }
-    // Linear in the pressure, since it acts on velocities by one kick: no iteration (theory.md, equation 227).
-    let pressure = ((step.target - volume) / step.dt - growth) / response;
-    for (area, n) in gradient.iter().zip(film.nodes.clone()) {
-        nodes.force.add(n, (pressure * area).into());
-    }
-    Inflated { pressure, volume }
-}
-
 /// The load on an element under unit pressure.
 pub(super) struct ElementLoad {
     /// Vector area that belongs to each node, m²; the last one of a triangle does not count.
@@ -198,8 +155,10 @@ impl Engine {
         self.progress.inflated = Some(now);
     }
 
-    /// Adds the load of the gas that is let in, if there is any, to the other forces of a step that kicks the nodes
-    /// over `over` (s) and moves them by `dt` (s), and its work to the ledger.
+    /// Adds the load of the gas that is let in under the last film, if there is any, to the other forces of a step that
+    /// kicks the nodes over `over` (s) and moves them by `dt` (s), and its work to the ledger. Its pressure is that under
+    /// which the volume is the target after the step, to first order (theory.md, equation 227). What the order leaves is
+    /// made up in the next step.
     pub(super) fn fill(&mut self, over: f64, dt: f64) {
         let Some(filling) = &self.loads.filling else { return };
         if self.failed > 0 {
@@ -208,13 +167,33 @@ impl Engine {
             self.progress.inflated.iter_mut().for_each(|before| before.volume += flat - self.flat_volume);
             self.flat_volume = flat;
         }
-        let step = GasStep {
-            target: self.flat_volume + filling.volume_at(self.progress.time + dt),
-            kick: Kick::new(over, self.loads.damping),
-            dt,
-            gravity: self.loads.film_gravity(),
-        };
-        let now = fill(&self.films, &mut self.nodes, &step);
+        let Some(film) = self.films.last() else { return };
+        let nodes = &mut self.nodes;
+        let mut gradient = vec![Vector3::zeros(); film.nodes.len()];
+        let mut volume = 0.0;
+        add_volume(film, &nodes.position, 1.0, &mut volume, (film.nodes.start, &mut gradient));
+        let kick = Kick::new(over, self.loads.damping);
+        // Growth of the volume without gas, and by a pressure of 1 Pa.
+        let (mut growth, mut response) = (0.0, 0.0);
+        for (area, n) in gradient.iter().zip(film.nodes.clone()) {
+            let (inverse_mass, velocity, force) =
+                (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
+            for axis in 0..3 {
+                let field = if axis == 2 { -self.loads.film_gravity() } else { 0.0 };
+                // Held nodes with a velocity, as at jaws, change the volume too.
+                let is_free = inverse_mass[axis] > 0.0;
+                let after = kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);
+                growth += area[axis] * if is_free { after } else { velocity[axis] };
+                response += area[axis] * area[axis] * kick.after(0.0, inverse_mass[axis]);
+            }
+        }
+        let target = self.flat_volume + filling.volume_at(self.progress.time + dt);
+        // Linear in the pressure, since it acts on velocities by one kick: no iteration (theory.md, equation 227).
+        let pressure = ((target - volume) / dt - growth) / response;
+        for (area, n) in gradient.iter().zip(film.nodes.clone()) {
+            nodes.force.add(n, (pressure * area).into());
+        }
+        let now = Inflated { pressure, volume };
         self.progress.ledger.external -= self.loads.multiplicity * now.work_since(self.progress.inflated);
         self.progress.inflated = Some(now);
     }

@@ -59,36 +59,6 @@ pub(crate) trait Shaped<const NODES: usize>: Sized {
     fn area(&self) -> f64;
 }
 
-impl Shaped<4> for OnePointElement {
-    fn shaped(x: &[[f64; 2]; 4]) -> Self {
-        one_point(x)
-    }
-
-    fn area(&self) -> f64 {
-        self.area
-    }
-}
-
-impl Shaped<4> for GaussElement<4, 4> {
-    fn shaped(x: &[[f64; 2]; 4]) -> Self {
-        four_points(x)
-    }
-
-    fn area(&self) -> f64 {
-        self.area.iter().sum()
-    }
-}
-
-impl Shaped<3> for GaussElement<3, 1> {
-    fn shaped(x: &[[f64; 2]; 3]) -> Self {
-        constant_strain(x)
-    }
-
-    fn area(&self) -> f64 {
-        self.area[0]
-    }
-}
-
 /// Elements at the given nodes of a mesh with the stress-free coordinates of `film`.
 pub(crate) fn shaped<E: Shaped<NODES>, const NODES: usize>(
     elements: &[[u32; NODES]],
@@ -131,44 +101,62 @@ fn map(x: &[[f64; 2]; 4], [xi, eta]: [f64; 2]) -> Map {
     Map { gradient, determinant }
 }
 
-/// One point at the centre (Flanagan and Belytschko 1981 for the shape of the hourglass mode; theory.md, equation 11).
-fn one_point(x: &[[f64; 2]; 4]) -> OnePointElement {
-    let centre = map(x, [0.0, 0.0]);
-    let mut lever = [0.0; 2];
-    for a in 0..4 {
-        for i in 0..2 {
-            lever[i] += MODE[a] * x[a][i];
+impl Shaped<4> for OnePointElement {
+    /// One point at the centre (Flanagan and Belytschko 1981 for the shape of the hourglass mode; theory.md, equation 11).
+    fn shaped(x: &[[f64; 2]; 4]) -> Self {
+        let centre = map(x, [0.0, 0.0]);
+        let mut lever = [0.0; 2];
+        for a in 0..4 {
+            for i in 0..2 {
+                lever[i] += MODE[a] * x[a][i];
+            }
+        }
+        let [first, second, ..] = centre.gradient;
+        // Second part of γ_a in equation 11, for two nodes: gradients of opposite nodes are opposite.
+        let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
+        // A parallelogram to within the rounding of its coordinates has no skew.
+        let skew = skew.map(|s| if s.abs() < ROUNDING { 0.0 } else { s });
+        // Exact, though only the centre is read: the determinant of a bilinear map is linear.
+        OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
+    }
+
+    fn area(&self) -> f64 {
+        self.area
+    }
+}
+
+impl Shaped<4> for GaussElement<4, 4> {
+    /// 2×2 Gauss points.
+    fn shaped(x: &[[f64; 2]; 4]) -> Self {
+        let g = 1.0 / 3.0_f64.sqrt();
+        let maps = CORNERS.map(|[a, b]| map(x, [a * g, b * g]));
+        GaussElement {
+            gradient: std::array::from_fn(|p| maps[p].gradient),
+            area: std::array::from_fn(|p| maps[p].determinant),
         }
     }
-    let [first, second, ..] = centre.gradient;
-    // Second part of γ_a in equation 11, for two nodes: gradients of opposite nodes are opposite.
-    let skew = [first, second].map(|b| 0.25 * (lever[0] * b[0] + lever[1] * b[1]));
-    // A parallelogram to within the rounding of its coordinates has no skew.
-    let skew = skew.map(|s| if s.abs() < ROUNDING { 0.0 } else { s });
-    // Exact, though only the centre is read: the determinant of a bilinear map is linear.
-    OnePointElement { gradient: [first, second], skew, area: 4.0 * centre.determinant }
-}
 
-/// 2×2 Gauss points.
-fn four_points(x: &[[f64; 2]; 4]) -> GaussElement<4, 4> {
-    let g = 1.0 / 3.0_f64.sqrt();
-    let maps = CORNERS.map(|[a, b]| map(x, [a * g, b * g]));
-    GaussElement {
-        gradient: std::array::from_fn(|p| maps[p].gradient),
-        area: std::array::from_fn(|p| maps[p].determinant),
+    fn area(&self) -> f64 {
+        self.area.iter().sum()
     }
 }
 
-/// Gradients of the linear shape functions and the area of the stress-free triangle.
-fn constant_strain(x: &[[f64; 2]; 3]) -> GaussElement<3, 1> {
-    let edge = |a: usize, b: usize| [x[b][0] - x[a][0], x[b][1] - x[a][1]];
-    let (u, v) = (edge(0, 1), edge(0, 2));
-    let twice = u[0] * v[1] - u[1] * v[0];
-    let gradient = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| {
-        let e = edge(a, b);
-        [-e[1] / twice, e[0] / twice]
-    });
-    GaussElement { gradient: [gradient], area: [0.5 * twice] }
+impl Shaped<3> for GaussElement<3, 1> {
+    /// Gradients of the linear shape functions and the area of the stress-free triangle.
+    fn shaped(x: &[[f64; 2]; 3]) -> Self {
+        let edge = |a: usize, b: usize| [x[b][0] - x[a][0], x[b][1] - x[a][1]];
+        let (u, v) = (edge(0, 1), edge(0, 2));
+        let twice = u[0] * v[1] - u[1] * v[0];
+        let gradient = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| {
+            let e = edge(a, b);
+            [-e[1] / twice, e[0] / twice]
+        });
+        GaussElement { gradient: [gradient], area: [0.5 * twice] }
+    }
+
+    fn area(&self) -> f64 {
+        self.area[0]
+    }
 }
 
 #[cfg(test)]
@@ -186,8 +174,8 @@ mod tests {
         for x in SHAPES {
             let shoelace: f64 =
                 (0..4).map(|a| x[a][0] * x[(a + 1) % 4][1] - x[(a + 1) % 4][0] * x[a][1]).sum::<f64>() / 2.0;
-            let centre = one_point(&x);
-            let full = four_points(&x);
+            let centre = OnePointElement::shaped(&x);
+            let full = GaussElement::<4, 4>::shaped(&x);
             assert!((centre.area - shoelace).abs() < 1e-14);
             assert!((full.area.iter().sum::<f64>() - shoelace).abs() < 1e-14);
             let [first, second] = centre.gradient;
@@ -206,7 +194,7 @@ mod tests {
     #[test]
     fn the_hourglass_shape_is_orthogonal_to_linear_fields() {
         for x in SHAPES {
-            let [first, second] = one_point(&x).skew;
+            let [first, second] = OnePointElement::shaped(&x).skew;
             let shape = [0.25 - first, -0.25 - second, 0.25 + first, -0.25 + second];
             let along = |field: &dyn Fn(usize) -> f64| (0..4).map(|a| shape[a] * field(a)).sum::<f64>();
             assert!(along(&|_| 1.0).abs() < 1e-14);
@@ -219,7 +207,7 @@ mod tests {
     #[test]
     fn gradients_of_a_triangle_reproduce_linear_fields() {
         let x = [[0.2, 0.1], [1.4, 0.3], [0.5, 1.1]];
-        let element = constant_strain(&x);
+        let element = GaussElement::<3, 1>::shaped(&x);
         for i in 0..2 {
             for j in 0..2 {
                 let sum: f64 = (0..3).map(|a| element.gradient[0][a][i] * x[a][j]).sum();
