@@ -124,11 +124,6 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.check {
         return check(args, &place, shared);
     }
-    let given = args.given.values()?;
-    if let Some(note) = replaced(&place, &call(args, &given, &place)?).filter(|_| !args.force && share == Share::WHOLE)
-    {
-        tell(&format!("note: {note}"), shared.quiet);
-    }
     let page = LivePage::new(&name, ProgressFolder::new(&place, share), {
         let quiet = shared.quiet;
         move |line| tell(&format!("note: {line}"), quiet)
@@ -251,6 +246,8 @@ fn run_script(
     let study = args.study.as_ref();
     let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, study);
     let Compiled { program, scope, call } = compiled(args, &engine, place)?;
+    let replaced = replaced(place, &call).filter(|_| !args.force && evaluations.share() == Share::WHOLE);
+    replaced.iter().for_each(|note| print_line(&format!("note: {note}")));
     let stopped = |fault: Fault| match fault.numerical {
         true => Failure::numerical(args.fault(&fault)),
         false if fault.may_pass => Failure::output(args.fault(&fault)),

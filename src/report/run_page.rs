@@ -92,8 +92,8 @@ fn materials(model: &Model) -> Vec<Plot> {
     for (face, number) in model.faces.iter().zip(1..) {
         let curves = fibre_curves(&face.material.law);
         if !curves.is_empty() && plots.iter().all(|plot| plot.curves != curves) {
-            let film = face.film.clone().unwrap_or_else(|| format!("face {number}"));
-            plots.push(Plot::new(format!("{film} as computed"), ["strain (%)", "nominal stress (MPa)"], curves));
+            let of = if plots.is_empty() { String::new() } else { format!(" of face {number}") };
+            plots.push(Plot::new(format!("Stress over strain{of}"), ["strain (%)", "nominal stress (MPa)"], curves));
         }
     }
     plots
