@@ -270,7 +270,7 @@ pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
         (!told.is_empty()).then(|| format!("{whose}{}", told.join(", ")))
     };
     let told: Vec<String> = prefixes(results).iter().filter_map(of_body).collect();
-    let doubts = results.measures.findings().iter().filter(|finding| finding.code == BREAK_STRAIN);
+    let doubts = results.findings.iter().filter(|finding| finding.code == BREAK_STRAIN);
     let doubts: String = doubts.map(|finding| format!(" {}.", capital(&finding.message))).collect();
     if told.is_empty() { format!("{film}.{doubts}") } else { format!("{film}: {}.{doubts}", told.join("; ")) }
 }

@@ -89,7 +89,6 @@ fn outcome() -> Outcome {
         torn: None,
         warming: None,
         elements: 400,
-        bytes: 160_000,
         threads: 2,
         instructions: membrane::lane::Width::Baseline,
         steps: 1000,
