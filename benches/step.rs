@@ -244,9 +244,9 @@ fn rupture() {
         let rupture = format!(
             "specimen.material.rupture={{ criterion = \"{criterion}\", limit = {limit}, energy = \"8 kJ/m2\" }}"
         );
-        whole(&model(&[&rupture]), 1, Width::best()).0
+        whole(&model(&[&rupture]), 1, Width::best())
     };
-    let (plain, _) = whole(&model(&[]), 1, Width::best());
+    let plain = whole(&model(&[]), 1, Width::best());
     println!("| without a criterion of its own | {plain:.1} | 1 |");
     for (criterion, limit) in [("strain", "50"), ("stress", "\"10 GPa\""), ("energy", "\"10 GJ/m3\"")] {
         let cost = of(criterion, limit);
@@ -559,7 +559,7 @@ fn threads() {
             &format!("loading.impact.duration={duration}"),
         ];
         let model = shipped(&changes);
-        let [one, two] = [1, 2].map(|threads| whole(&model, threads, Width::best()).0);
+        let [one, two] = [1, 2].map(|threads| whole(&model, threads, Width::best()));
         let elements = simulate::engine(&model).expect("an engine").elements();
         println!("| {elements} | {one:.1} | {two:.1} | {:.2} |", one / two);
     }

@@ -5,7 +5,7 @@
 //! p₁ = μ (λ − λ⁻³).
 
 use droptower::engine::{Patch, StressFree, Vectors};
-use droptower::lane::{Lane, Width, splat};
+use droptower::lane::{Lane, Width, lanes, splat};
 use droptower::material::{Deformation, Energy, MembraneLaw, PeakStrains, Stiffness, Stress};
 use droptower::mesh::Mesh;
 use nalgebra::Point3;
@@ -37,15 +37,17 @@ impl MembraneLaw for NeoHookean {
     /// From d²(1/det C) ≤ 6 |b₁ f₂ − b₂ f₁|²/(det C)² along every motion b ⊗ n of unit size.
     fn stiffness<const L: usize>(&self, d: &Deformation<L>, _: &PeakStrains<L>) -> Stiffness<L> {
         let [c11, c22, c12, inverse] = right_cauchy_green(d);
-        let bound = |c: Lane<L>| 3.0 * self.0 * c.abs() * inverse * inverse;
-        let (along, across) = ([c22, c11].map(bound), [splat(self.0); 2]);
-        Stiffness { along, across, shear: bound(c12), alignment: splat(1.0), ..Stiffness::in_any_direction(splat(0.0)) }
+        let square = inverse * inverse;
+        let along = [3.0 * self.0 * c22.abs() * square, 3.0 * self.0 * c11.abs() * square];
+        let (across, shear) = ([splat(self.0); 2], 3.0 * self.0 * c12.abs() * square);
+        Stiffness { along, across, shear, alignment: splat(1.0), ..Stiffness::in_any_direction(splat(0.0)) }
     }
 
     /// 1/√det C, from the stress alone.
     fn thickness_ratio<const L: usize>(&self, _d: &Deformation<L>, s: &Stress<L>) -> Lane<L> {
-        let [t1, t2, cross] = [s.tension[0], s.tension[1], s.cross].map(|stress| stress / self.0);
-        (((1.0 - t1) * (1.0 - t2) - cross * cross).ln() / 6.0).exp()
+        let (t1, t2, cross) = (s.tension[0] / self.0, s.tension[1] / self.0, s.cross / self.0);
+        let power = (1.0 - t1) * (1.0 - t2) - cross * cross;
+        lanes(|l| power[l].powf(1.0 / 6.0))
     }
 
     fn moduli(&self) -> [f64; 2] {

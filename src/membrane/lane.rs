@@ -2,13 +2,12 @@
 //!
 //! A kernel reads as its equation: [`Lane`] has the operators of a number, and a comparison gives a [`Mask`] that selects
 //! between two values instead of a branch. Each operation is a loop over an array, which the compiler turns into vector
-//! instructions of whatever width it may use: kernels have functions with `#[inline(always)]` and neither closures over lanes
-//! nor an array's own `map`, which may be compiled apart, without these instructions. Every lane runs the same IEEE operations in the same order, so a result
-//! depends neither on that width nor on the number of lanes.
+//! instructions of whatever width it may use. Functions of kernels are `#[inline(always)]`; closures over lanes and an array's
+//! own `map` may be compiled apart, without these instructions. Every lane runs the same IEEE operations in the same order, so
+//! a result depends neither on that width nor on the number of lanes.
 
 use std::ops::{
-    Add, AddAssign, BitAnd, BitOr, BitOrAssign, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub,
-    SubAssign,
+    Add, AddAssign, BitAnd, BitOr, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub, SubAssign,
 };
 
 use serde::{Deserialize, Serialize};
@@ -48,18 +47,22 @@ impl<const L: usize> DerefMut for Lane<L> {
     }
 }
 
-impl<const L: usize> From<[f64; L]> for Lane<L> {
-    #[inline(always)]
-    fn from(values: [f64; L]) -> Lane<L> {
-        Lane(values)
-    }
-}
-
 impl<const L: usize> From<f64> for Lane<L> {
     #[inline(always)]
     fn from(value: f64) -> Lane<L> {
         splat(value)
     }
+}
+
+/// A value for each lane, by a plain loop over them: a closure may be compiled apart, without the vector instructions.
+macro_rules! each {
+    ($like:expr; $l:ident => $value:expr) => {{
+        let mut out = $like;
+        for $l in 0..L {
+            out.0[$l] = $value;
+        }
+        out
+    }};
 }
 
 /// An operator of numbers for lanes with lanes, lanes with a number, and a number with lanes.
@@ -70,11 +73,7 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: Lane<L>) -> Lane<L> {
-                let mut out = self.0;
-                for l in 0..L {
-                    out[l] = self.0[l] $operator other.0[l];
-                }
-                Lane(out)
+                each!(self; l => self.0[l] $operator other.0[l])
             }
         }
 
@@ -83,11 +82,7 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: f64) -> Lane<L> {
-                let mut out = self.0;
-                for l in 0..L {
-                    out[l] = self.0[l] $operator other;
-                }
-                Lane(out)
+                each!(self; l => self.0[l] $operator other)
             }
         }
 
@@ -96,11 +91,7 @@ macro_rules! operators {
 
             #[inline(always)]
             fn $function(self, other: Lane<L>) -> Lane<L> {
-                let mut out = other.0;
-                for l in 0..L {
-                    out[l] = self $operator other.0[l];
-                }
-                Lane(out)
+                each!(other; l => self $operator other.0[l])
             }
         }
 
@@ -127,7 +118,7 @@ impl<const L: usize> Neg for Lane<L> {
 
     #[inline(always)]
     fn neg(self) -> Lane<L> {
-        lanes(|l| -self[l])
+        each!(self; l => -self[l])
     }
 }
 
@@ -135,86 +126,86 @@ impl<const L: usize> Lane<L> {
     /// Square root in each lane.
     #[inline(always)]
     pub fn sqrt(self) -> Lane<L> {
-        lanes(|l| self[l].sqrt())
+        each!(self; l => self[l].sqrt())
     }
 
     /// Size in each lane.
     #[inline(always)]
     pub fn abs(self) -> Lane<L> {
-        lanes(|l| self[l].abs())
+        each!(self; l => self[l].abs())
     }
 
-    /// Its size with the sign of the other in each lane.
+    /// Its size with the sign of `sign`, in each lane.
     #[inline(always)]
     pub fn copysign(self, sign: Lane<L>) -> Lane<L> {
-        lanes(|l| self[l].copysign(sign[l]))
+        each!(self; l => self[l].copysign(sign[l]))
     }
 
-    /// Natural logarithm in each lane: [`ln`].
+    /// Natural logarithm in each lane, of normal numbers above zero; of others, NaN too, any number: [`ln`].
     #[inline(always)]
     pub fn ln(self) -> Lane<L> {
-        lanes(|l| ln(self[l]))
+        each!(self; l => ln(self[l]))
     }
 
     /// Exponential function in each lane: [`exp`].
     #[inline(always)]
     pub fn exp(self) -> Lane<L> {
-        lanes(|l| exp(self[l]))
+        each!(self; l => exp(self[l]))
     }
 
     /// The larger in each lane; `other` where either is NaN.
     #[inline(always)]
     pub fn max(self, other: impl Into<Lane<L>>) -> Lane<L> {
         let other = other.into();
-        lanes(|l| larger(self[l], other[l]))
+        each!(self; l => larger(self[l], other[l]))
     }
 
     /// The smaller in each lane; `other` where either is NaN.
     #[inline(always)]
     pub fn min(self, other: impl Into<Lane<L>>) -> Lane<L> {
         let other = other.into();
-        lanes(|l| smaller(self[l], other[l]))
+        each!(self; l => smaller(self[l], other[l]))
     }
 
-    /// Where it is below the other; nowhere with NaN, as all comparisons.
+    /// Where it is below the other. No comparison holds where either is NaN, so its `!` does.
     #[inline(always)]
     pub fn below(self, other: impl Into<Lane<L>>) -> Mask<L> {
         let other = other.into();
-        mask(|l| self[l] < other[l])
+        each!(Mask([false; L]); l => self[l] < other[l])
     }
 
     /// Where it is above the other.
     #[inline(always)]
     pub fn above(self, other: impl Into<Lane<L>>) -> Mask<L> {
         let other = other.into();
-        mask(|l| self[l] > other[l])
+        each!(Mask([false; L]); l => self[l] > other[l])
     }
 
-    /// Where it is not above the other.
+    /// Where it is below the other or equals it.
     #[inline(always)]
     pub fn at_most(self, other: impl Into<Lane<L>>) -> Mask<L> {
         let other = other.into();
-        mask(|l| self[l] <= other[l])
+        each!(Mask([false; L]); l => self[l] <= other[l])
     }
 
-    /// Where it is not below the other.
+    /// Where it is above the other or equals it.
     #[inline(always)]
     pub fn at_least(self, other: impl Into<Lane<L>>) -> Mask<L> {
         let other = other.into();
-        mask(|l| self[l] >= other[l])
+        each!(Mask([false; L]); l => self[l] >= other[l])
     }
 
     /// Where it equals the other.
     #[inline(always)]
     pub fn equals(self, other: impl Into<Lane<L>>) -> Mask<L> {
         let other = other.into();
-        mask(|l| self[l] == other[l])
+        each!(Mask([false; L]); l => self[l] == other[l])
     }
 
     /// Where it is NaN.
     #[inline(always)]
     pub fn is_nan(self) -> Mask<L> {
-        mask(|l| self[l].is_nan())
+        each!(Mask([false; L]); l => self[l].is_nan())
     }
 }
 
@@ -226,7 +217,7 @@ impl<const L: usize> Mask<L> {
     #[inline(always)]
     pub fn select(self, yes: impl Into<Lane<L>>, no: impl Into<Lane<L>>) -> Lane<L> {
         let (yes, no) = (yes.into(), no.into());
-        lanes(|l| if self.0[l] { yes[l] } else { no[l] })
+        each!(yes; l => if self.0[l] { yes[l] } else { no[l] })
     }
 
     /// Whether it holds in any lane.
@@ -251,7 +242,7 @@ impl<const L: usize> BitAnd for Mask<L> {
 
     #[inline(always)]
     fn bitand(self, other: Mask<L>) -> Mask<L> {
-        mask(|l| self.0[l] & other.0[l])
+        each!(Mask([false; L]); l => self.0[l] & other.0[l])
     }
 }
 
@@ -260,14 +251,7 @@ impl<const L: usize> BitOr for Mask<L> {
 
     #[inline(always)]
     fn bitor(self, other: Mask<L>) -> Mask<L> {
-        mask(|l| self.0[l] | other.0[l])
-    }
-}
-
-impl<const L: usize> BitOrAssign for Mask<L> {
-    #[inline(always)]
-    fn bitor_assign(&mut self, other: Mask<L>) {
-        *self = *self | other;
+        each!(Mask([false; L]); l => self.0[l] | other.0[l])
     }
 }
 
@@ -276,7 +260,7 @@ impl<const L: usize> Not for Mask<L> {
 
     #[inline(always)]
     fn not(self) -> Mask<L> {
-        mask(|l| !self.0[l])
+        each!(Mask([false; L]); l => !self.0[l])
     }
 }
 
@@ -408,16 +392,6 @@ pub fn lanes<const L: usize>(value: impl Fn(usize) -> f64) -> Lane<L> {
     out
 }
 
-/// Whether something holds, lane by lane.
-#[inline(always)]
-fn mask<const L: usize>(holds: impl Fn(usize) -> bool) -> Mask<L> {
-    let mut out = Mask([false; L]);
-    for l in 0..L {
-        out.0[l] = holds(l);
-    }
-    out
-}
-
 /// Scalar product in each lane.
 #[inline(always)]
 pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {
@@ -448,14 +422,20 @@ pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
+/// n of x = 2ⁿ m with √½ ≤ m < √2, by integer instructions, in all lanes alike: subtracting √½ before the shift rounds to
+/// the nearest power.
+#[inline(always)]
+pub(crate) fn exponent(x: f64) -> i64 {
+    const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52
+}
+
 /// Natural logarithm of a normal number above zero, within 3e-16 of itself or of one. Unlike that of the platform's
 /// library it has the same bits on every machine, and a loop over lanes turns it into vector instructions.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
-    // x = 2ⁿ m with √½ ≤ m < √2, and ln m = 2 artanh t = 2t (1 + t²/3 + t⁴/5 + …) with |t| < 0.172: what is left out is
-    // below 1e-18.
-    const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
-    let exponent = (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
+    // x = 2ⁿ m, and ln m = 2 artanh t = 2t (1 + t²/3 + t⁴/5 + …) with |t| < 0.172: what is left out is below 1e-18.
+    let exponent = exponent(x);
     let m = f64::from_bits(x.to_bits().wrapping_sub((exponent as u64) << 52));
     let t = (m - 1.0) / (m + 1.0);
     let square = t * t;

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 /// All that decides the figures of a run: the sources from the files of a scenario to its figures, the modules that
 /// scripts import, and the versions of the dependencies.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 12] = [
     "src/base",
     "src/membrane",
     "src/lab",
@@ -16,7 +16,8 @@ const SOURCES: [&str; 11] = [
     "src/study/script",
     "src/study/functions",
     "src/study/post",
-    "src/study/evaluate",
+    "src/study/evaluate.rs",
+    "src/study/field_comparison",
     "scripts/droptower",
     "Cargo.lock",
     "Cargo.toml",

@@ -694,6 +694,8 @@ mod tests {
             "src/scene/simulate/mod.rs",
             "src/lab/signal/filter.rs",
             "src/study/post/impact.rs",
+            "src/study/evaluate.rs",
+            "src/study/field_comparison/mod.rs",
             "scripts/droptower/film.rhai",
             "Cargo.lock",
         ] {

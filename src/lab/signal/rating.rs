@@ -303,7 +303,7 @@ impl Front {
     fn advance(&mut self, cells: Range<usize>, curves: [&[f64]; 2], last: &Front, before_last: &Front) {
         for block in (0..cells.len()).step_by(LANES) {
             let below = cells.start + block;
-            let [comparison, reference] = curves.map(|curve| lane(curve, block));
+            let (comparison, reference) = (lane(curves[0], block), lane(curves[1], block));
             // Steps (1, 0), (0, 1), (1, 1): of paths of equal cost the first counts.
             let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
             self.store(below + 1, step(before, comparison, reference));
@@ -337,8 +337,7 @@ fn lane(values: &[f64], from: usize) -> Lane {
 #[inline(always)]
 fn cheaper(first: Paths, second: Paths) -> Paths {
     let better = second[0].below(first[0]);
-    let of = |k: usize| better.select(second[k], first[k]);
-    [of(0), of(1), of(2)]
+    [better.select(second[0], first[0]), better.select(second[1], first[1]), better.select(second[2], first[2])]
 }
 
 /// The paths, extended by one pair of samples.

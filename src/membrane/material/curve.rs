@@ -195,12 +195,13 @@ impl Curve {
     /// Stress in each lane, as [`Curve::stress_lanes`], and slope, at a corner that of the segment behind it, Pa.
     #[inline(always)]
     pub(super) fn tangent<const L: usize>(&self, strain: Lane<L>) -> [Lane<L>; 2] {
-        let mut slope = splat(0.0);
+        let [mut stress, mut slope] = [splat(0.0); 2];
         for s in &self.segments {
             let from = strain - s.start;
+            stress += s.slope * s.part(strain);
             slope += (from.at_least(0.0) & from.below(s.length)).select(s.slope, 0.0);
         }
-        [self.stress_lanes(strain), slope]
+        [stress, slope]
     }
 
     /// Stress and energy in each lane.

@@ -116,10 +116,10 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
             self.absorption.energy(&self.shear, fibres.shear(), history.shear),
         ];
         let [md, td, shear] = parts;
-        let sum = |[md, td, shear]: [Lane<L>; 3]| md + td + shear;
-        let stored = sum(of_layers_left([md.0, td.0, shear.0], &history.left));
-        let absorbed = sum(of_layers_left([md.1, td.1, shear.1], &history.left));
-        let mut total = Energy { stored, absorbed };
+        let stored = of_layers_left([md.0, td.0, shear.0], &history.left);
+        let absorbed = of_layers_left([md.1, td.1, shear.1], &history.left);
+        let mut total =
+            Energy { stored: stored[0] + stored[1] + stored[2], absorbed: absorbed[0] + absorbed[1] + absorbed[2] };
         if let Some(law) = &self.biaxial {
             let (stored, absorbed) = law.energy(&self.absorption, fibres.mean_strain(), &history.biaxial);
             // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).

@@ -81,7 +81,8 @@ impl Measure {
                     second.above(1.0).select(second, 0.5 * (c22 + 1.0)),
                     c12,
                 ];
-                let (product, both) = (m1 * m2, 1.0 / (m1 * m2));
+                let product = m1 * m2;
+                let both = 1.0 / product;
                 Measured { strain, scale: [m1, m2, product], inverse: [m2 * both, m1 * both, both] }
             }
         }

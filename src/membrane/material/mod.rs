@@ -70,6 +70,7 @@ pub struct Deformation<const L: usize = LANES> {
 
 impl<const L: usize> From<Gradient<L>> for Deformation<L> {
     /// A uniform gradient.
+    #[inline(always)]
     fn from(f: Gradient<L>) -> Deformation<L> {
         Deformation { f, stretch_variance: [splat(0.0); 2] }
     }
@@ -83,7 +84,7 @@ impl From<[[f64; 3]; 2]> for Deformation<1> {
 }
 
 impl<const L: usize> Deformation<L> {
-    /// C₁₁, C₂₂ and C₁₂ (theory.md, equation 13).
+    /// C₁₁, C₂₂ and C₁₂ of the right Cauchy–Green tensor; the stretch variance counts as stretch (theory.md, equation 13).
     #[inline(always)]
     pub fn metric(&self) -> [Lane<L>; 3] {
         let [f1, f2] = &self.f;

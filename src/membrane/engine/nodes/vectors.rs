@@ -136,7 +136,7 @@ mod tests {
             [0, 2, 1, 3, 4, 5, 6, 7],
         ];
         for nodes in cases {
-            assert_eq!(gather(&values, &nodes), nodes.map(f64::from).into());
+            assert_eq!(*gather(&values, &nodes), nodes.map(f64::from));
         }
     }
 }

@@ -107,12 +107,10 @@ impl<const L: usize> Tangent<L> {
         let (mean, apart) = (0.5 * (first + second), 0.5 * (first - second));
         let stretched = mean + (apart * apart + self.between * self.between).sqrt();
         let sheared = self.stress[0] + ((c[0] * c[1]).sqrt() + c[1]) * self.shear;
-        let mut most = stretched;
-        for other in [sheared, self.stress[0], self.stress[1]] {
-            // A NaN must propagate.
-            most = most.at_most(other).select(other, most);
-        }
-        most
+        // A NaN must propagate.
+        let most = stretched.at_most(sheared).select(sheared, stretched);
+        let most = most.at_most(self.stress[0]).select(self.stress[0], most);
+        most.at_most(self.stress[1]).select(self.stress[1], most)
     }
 }
 

@@ -117,10 +117,10 @@ impl StrainEnergy for Ogden {
                 out.along[i] += mu * ((alpha - 1.0) * powers[i] + (alpha + 1.0) * third) * inverse;
             }
             out.between += mu * alpha * third / (c[0] * c[1]).sqrt();
-            let (first, second) = (c[0] * c[0], c[1] * c[1]);
+            let fourth = [c[0] * c[0], c[1] * c[1]];
             let bent = (0.5 * alpha - 1.0) * mu;
-            let steepest = (bent * powers[0] / first).max(bent * powers[1] / second);
-            out.shear += steepest + mu * third / if mu > 0.0 { second } else { first };
+            let steepest = (bent * powers[0] / fourth[0]).max(bent * powers[1] / fourth[1]);
+            out.shear += steepest + mu * third / if mu > 0.0 { fourth[1] } else { fourth[0] };
         }
         out
     }

@@ -80,8 +80,8 @@ impl StrainEnergy for Polynomial {
         let (square, x) = (inverse * inverse, trace + inverse - 3.0);
         let a = slopes[0] - self.second * inverse;
         let bent = 2.0 * c20 + 6.0 * c30 * x;
-        let by_det = square * (bent * square + 2.0 * inverse * (a + self.second * trace));
-        invariants::tangent(c, &slopes, &[bent, -(bent + self.second) * square, by_det])
+        let bent_det = square * (bent * square + 2.0 * inverse * (a + self.second * trace));
+        invariants::tangent(c, &slopes, &[bent, -(bent + self.second) * square, bent_det])
     }
 
     fn plane_modulus(&self) -> f64 {

@@ -12,7 +12,7 @@
 //!
 //! where `± x` is the deviator with the components x₁, −x₁ and x₂. A and B are even and smooth in r.
 
-use crate::lane::{Lane, lanes, splat};
+use crate::lane::{Lane, exponent, splat};
 use crate::material::elastic::Plane;
 
 /// Logarithmic strain, and what derives from C.
@@ -50,8 +50,12 @@ impl<const L: usize> Logarithm<L> {
         let first = mean + radius;
         // c₁/c₂ = 2ⁿ k with √½ ≤ k < √2, so that artanh r = ½ n ln 2 + artanh t; t is r itself where n is zero.
         let ratio = first * first * per_det;
-        let n = lanes(|l| f64::from(exponent(ratio[l]) as i32));
-        let power = lanes(|l| f64::from_bits((exponent(ratio[l]).wrapping_add(1023) as u64) << 52));
+        let [mut n, mut power] = [splat(0.0); 2];
+        for l in 0..L {
+            let exponent = exponent(ratio[l]);
+            n[l] = f64::from(exponent as i32);
+            power[l] = f64::from_bits((exponent.wrapping_add(1023) as u64) << 52);
+        }
         let second = power * (det / first);
         // Near equal stretches r itself is the exact argument: c₁ − c₂ would be a difference of equals.
         let is_near = n.equals(0.0);
@@ -120,14 +124,6 @@ impl<const L: usize> Logarithm<L> {
         let largest = stretched.at_most(sheared).select(sheared, stretched);
         largest + cross * (theta + 4.0 * coupling)
     }
-}
-
-/// n of x = 2ⁿ k with √½ ≤ k < √2, by integer instructions, in all lanes alike: subtracting √½ before the shift rounds
-/// to the nearest power.
-#[inline(always)]
-fn exponent(x: f64) -> i64 {
-    const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
-    (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52
 }
 
 /// T₁₁ + T₂₂ of the stress S at C: their scalar product.

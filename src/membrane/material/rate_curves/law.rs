@@ -2,7 +2,7 @@
 
 use super::super::fibre::FibreLaw;
 use super::super::{Absorption, Curve};
-use super::{RateCurves, RateHistory};
+use super::{RateCurves, RateHistory, mix};
 use crate::lane::{Lane, splat};
 
 impl RateCurves {
@@ -43,7 +43,7 @@ impl RateCurves {
     /// Energy of the present curve up to the largest strain, W(ε_m, r), J/m³.
     #[inline(always)]
     pub(super) fn peak_energy<const L: usize>(&self, log_rate: Lane<L>, history: &RateHistory<L>) -> Lane<L> {
-        self.mix(log_rate, |curve| curve.read(history.peak).energy)
+        mix!(self, log_rate, curve => curve.read(history.peak).energy)
     }
 
     /// Strain on the present curve that has the stress of fibres at `strain`: ε_m − β(ε_m − ε).
@@ -75,7 +75,7 @@ impl RateCurves {
     ) -> Lane<L> {
         let log_rate = self.log_rate(history.slowness);
         let curve_strain = RateCurves::curve_strain(absorption, strain, history, self.peak_energy(log_rate, history));
-        self.mix(log_rate, |curve| curve.stress_lanes(curve_strain))
+        mix!(self, log_rate, curve => curve.stress_lanes(curve_strain))
     }
 }
 
@@ -115,9 +115,9 @@ impl FibreLaw for RateCurves {
         let log_rate = self.log_rate(history.slowness);
         let peak_energy = self.peak_energy(log_rate, history);
         let curve_strain = RateCurves::curve_strain(absorption, strain, history, peak_energy);
-        let below = self.mix(log_rate, |curve| curve.read(curve_strain).energy);
+        let whole = mix!(self, log_rate, curve => curve.read(curve_strain).energy);
         let returned = ((peak_energy + history.surplus) / peak_energy).min(1.0 - absorption.share());
-        (below * returned, history.surplus + (1.0 - returned) * peak_energy)
+        (whole * returned, history.surplus + (1.0 - returned) * peak_energy)
     }
 
     #[inline(always)]
@@ -177,7 +177,7 @@ impl FibreLaw for RateCurves {
 
     #[inline(always)]
     fn break_strain<const L: usize>(&self, history: &RateHistory<L>) -> Lane<L> {
-        self.mix(self.log_rate(history.slowness), |curve| splat(curve.end()))
+        mix!(self, self.log_rate(history.slowness), curve => splat(curve.end()))
     }
 
     fn break_strains(&self) -> [f64; 2] {

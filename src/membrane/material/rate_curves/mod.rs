@@ -98,6 +98,25 @@ pub enum RateCurvesError {
     },
 }
 
+/// The `$value` of the curves of a law, interpolated at a logarithm of the rate; exactly that of one curve where all have the
+/// same. Not a function with a closure, which would be compiled apart, without the kernel's vector instructions.
+macro_rules! mix {
+    ($law:expr, $log_rate:expr, $curve:ident => $value:expr) => {{
+        let (law, log_rate) = ($law, $log_rate);
+        let $curve = &law.slowest;
+        let mut below = $value;
+        let mut mixed = below;
+        for interval in &law.intervals {
+            let $curve = &interval.curve;
+            let above = $value;
+            mixed += interval.weight(log_rate) * (above - below);
+            below = above;
+        }
+        mixed
+    }};
+}
+use mix;
+
 impl RateCurves {
     /// `curves` at their rates (1/s), lowest first; `averaging_strain` is the growth ℓ over which the rate is averaged.
     ///
@@ -162,7 +181,7 @@ impl RateCurves {
 
     /// Stress (Pa) at `strain`, reached at the constant `rate` (1/s).
     pub fn stress_at(&self, strain: f64, rate: f64) -> f64 {
-        self.mix(self.log_rate(one(1.0 / rate)), |curve| curve.stress_lanes(one(strain)))[0]
+        mix!(self, self.log_rate(one(1.0 / rate)), curve => curve.stress_lanes(one(strain)))[0]
     }
 
     /// Logarithm of the rate (1/s) within those of the curves.
@@ -170,19 +189,6 @@ impl RateCurves {
     fn log_rate<const L: usize>(&self, slowness: Lane<L>) -> Lane<L> {
         let [shortest, longest] = self.slowness;
         -slowness.max(shortest).min(longest).ln()
-    }
-
-    /// The value `of` the curves, interpolated at `log_rate`; exactly that of one curve where all have the same.
-    #[inline(always)]
-    fn mix<const L: usize>(&self, log_rate: Lane<L>, of: impl Fn(&Curve) -> Lane<L>) -> Lane<L> {
-        let mut below = of(&self.slowest);
-        let mut mixed = below;
-        for interval in &self.intervals {
-            let above = of(&interval.curve);
-            mixed += interval.weight(log_rate) * (above - below);
-            below = above;
-        }
-        mixed
     }
 }
 

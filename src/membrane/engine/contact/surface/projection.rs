@@ -144,6 +144,7 @@ mod tests {
 
     use super::*;
     use crate::engine::contact::surface::test_shapes;
+    use crate::lane::lanes;
 
     /// A box with edges of the radius e: the distance from a box that is smaller by e on every side, less e.
     #[test]
@@ -202,8 +203,8 @@ mod tests {
     fn lanes_agree_with_the_projection_of_parry() {
         for surface in test_shapes() {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
-            let arm: Lane3 = [0, 1, 2]
-                .map(|axis| crate::lane::lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * [0.6, -0.5, -0.9][axis]));
+            let arm: Lane3 =
+                [0, 1, 2].map(|axis| lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * [0.6, -0.5, -0.9][axis]));
             let (distance, normal) = surface.project_lanes(&pose, &arm, &splat(1.0));
             for l in 0..LANES {
                 let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
