@@ -42,7 +42,7 @@ fn keyword(name: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
 fn isotropic(draft: &mut Draft<'_>, law: &Elastic) -> String {
     // CalculiX is linear in Green's strain, as droptower is: tests/solvers runs it.
     let is_other = draft.request.target == Target::Abaqus;
-    draft.losses.extend(is_other.then(|| Loss::strain_measure("*ELASTIC", law)));
+    draft.losses.extend(is_other.then(|| Loss::strain_measure("*ELASTIC", law, 2.0)));
     draft.lose_beside_the_law();
     elastic(draft, law)
 }

@@ -1,5 +1,6 @@
 //! What a card does not say of the film: findings that stand in its head and on the terminal.
 
+use super::film::Sampled;
 use base::findings;
 use base::number::significant;
 use membrane::material::Elastic;
@@ -82,8 +83,8 @@ findings! {
             message "Prony moduli are of small strain, G_i = g_i G";
         ShellRelaxation = "card-shell-relaxation", Warning;
             meaning "shells of LAW42 take G_i times the deviator of each increment of strain as overstress: without the factor of two, \
-                and without the pressure that keeps the volume. Its routine of August 2026 (sigeps42c.F) was called by itself; no whole \
-                run has compared it";
+                and without the pressure that keeps the volume (sigeps42c.F of August 2026). One element in it had 34, 14, 2 and 50 % \
+                at a strain of 2 %";
             remedy "write a law identified at the rate of the load for that solver, without a Prony series";
             message "film whose modulus halves by relaxation has 33 % of its overstress there in uniaxial tension, 12 % with the width \
                 held, none with both directions stretched, 50 % in shear";
@@ -114,11 +115,14 @@ findings! {
             meaning "shear stress of the card is over the present area, that of the film over the stress-free one";
             remedy "nothing up to a shear of 0.2; compare film that shears more";
             message "shear stress is over the present area: +2 % at a shear of 0.2, +12 % at 0.8";
-        StressOfVolume = "card-stress-of-volume", Note;
+        StressOfVolume {
+            uniaxial: f64, "difference of the stress at the end of the flow curve, one direction stretched" => "uniaxial";
+        } = "card-stress-of-volume", Note;
             meaning "flow stress of the card is Cauchy stress, that of the film is over the stress-free volume, which elastic strain \
-                changes";
+                changes: by 1 - 2 nu times the sum of stresses over the modulus";
             remedy "nothing; both agree where the yield stress is small beside the modulus";
-            message "flow stress is over the present volume: +1 % (uniaxial) to +4 % (both directions) of the stress at a stretch of 1.9";
+            message "flow stress is over the present volume: +{} % of the stress at the end of its curve, twice as much with both \
+                directions stretched", significant(100.0 * uniaxial, 2);
         Sampled {
             points: usize, "of the longest curve" => "points";
             error: f64, "largest difference over the largest stress" => "error";
@@ -130,11 +134,18 @@ findings! {
 }
 
 impl Loss {
-    /// The finding of a law that is linear in logarithmic strain: of uniaxial nominal stress E ln λ λ⁻²ᵛ for St. Venant-Kirchhoff's
-    /// E λ (λ² − 1)/2.
-    pub(crate) fn strain_measure(law: &'static str, elastic: &Elastic) -> Loss {
+    /// The finding of flow stress (Pa) over the present volume.
+    pub(crate) fn stress_of_volume(elastic: &Elastic, flow: &[(Option<f64>, Sampled)]) -> Loss {
+        let last =
+            flow.iter().filter_map(|(_, curve)| curve.points.last()).map(|[_, stress]| *stress).fold(0.0, f64::max);
+        Loss::StressOfVolume { uniaxial: (1.0 - 2.0 * elastic.poisson) * last / elastic.young }
+    }
+
+    /// The finding of a law that is linear in logarithmic strain: of uniaxial nominal stress E ln λ λ⁻ᵛⁿ, of n sides that grow
+    /// narrow, for St. Venant-Kirchhoff's E λ (λ² − 1)/2.
+    pub(crate) fn strain_measure(law: &'static str, elastic: &Elastic, sides: f64) -> Loss {
         let difference = |stretch: f64| {
-            let card = stretch.ln() * stretch.powf(-2.0 * elastic.poisson);
+            let card = stretch.ln() * stretch.powf(-sides * elastic.poisson);
             card / (0.5 * stretch * (stretch * stretch - 1.0)) - 1.0
         };
         Loss::StrainMeasure { law, small: difference(1.01), large: difference(1.1) }

@@ -93,7 +93,7 @@ fn number_and_density(draft: &Draft<'_>) -> [Field; 2] {
 }
 
 fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
-    draft.losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic));
+    draft.losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic, 2.0));
     let [id, density] = number_and_density(draft);
     let values = vec![id, density, Real(draft.stress(elastic.young)), Real(elastic.poisson)];
     Keyword::of("MAT_ELASTIC", Some(draft.film.name), ELASTIC, vec![values]).text()
@@ -268,7 +268,7 @@ fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
     let request = draft.request;
     let flow = draft.flow_curves(law, true)?;
     draft.losses.extend(lost_hill(law));
-    draft.losses.push(Loss::StressOfVolume);
+    draft.losses.push(Loss::stress_of_volume(law.elastic(), &flow));
     draft.lose_beside_the_law();
     let (mut numbers, mut text) = (Numbers::of(request), String::new());
     let title = "true stress over plastic strain";

@@ -299,6 +299,14 @@ fn plastic_film_keeps_its_flow_and_where_it_can_its_anisotropy() {
     assert!(dyna.losses.contains(&Loss::Hill));
     let rad = written(&film, &Request::new(Target::OpenRadioss, System::TMmS));
     assert!(!rad.losses.contains(&Loss::Hill));
+    // Elastic strain of the largest flow stress changes the volume.
+    let Law::Plastic(law) = &film.law else { panic!("no plastic film") };
+    let Elastic { young, poisson } = *law.elastic();
+    let of_volume = rad.losses.iter().find_map(|loss| match loss {
+        Loss::StressOfVolume { uniaxial } => Some(*uniaxial),
+        _ => None,
+    });
+    close(of_volume.expect("the finding"), (1.0 - 2.0 * poisson) * flow(3.0) / young, 1e-3, "change of volume");
     let line = rad.text.lines().skip_while(|line| !line.contains("R00")).nth(1).expect("Lankford values");
     let values: Vec<f64> = (0..3).map(|i| number(line[20 * i..20 * i + 20].trim())).collect();
     values.iter().zip([0.8, 1.4, 2.1]).for_each(|(found, r)| close(*found, r, 1e-12, "Lankford value"));
