@@ -1,8 +1,6 @@
 //! The impactors in a step: their release, their contact with the film and with each other (theory.md, section 6) and its
 //! place in the energy ledger, their motion.
 
-use nalgebra::Vector3;
-
 use super::collision::Collisions;
 use super::contact::{Contact, Impulse};
 use super::film_contact::FilmContact;
@@ -168,12 +166,16 @@ fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) ->
 /// `earlier` than the step and as `predicted` and the change `Δv` by contact. The damping force is that of the predictor,
 /// but its work is done along the corrected motion.
 fn damping_correction(nodes: &Nodes, earlier: &Vectors, predicted: &Vectors) -> f64 {
-    let of = |n: usize| {
-        let [earlier, predicted, after] =
-            [earlier, predicted, &nodes.velocity].map(|all| Vector3::from(all.value_at(n)));
-        0.25 * nodes.mass[n] * (after - predicted).dot(&(earlier + predicted))
-    };
-    (0..nodes.mass.len()).map(of).sum()
+    let (earlier, predicted, after) = (earlier.axes(), predicted.axes(), nodes.velocity.axes());
+    let mut total = 0.0;
+    for (n, mass) in nodes.mass.iter().enumerate() {
+        let mut work = 0.0;
+        for axis in 0..3 {
+            work += (after[axis][n] - predicted[axis][n]) * (earlier[axis][n] + predicted[axis][n]);
+        }
+        total += 0.25 * mass * work;
+    }
+    total
 }
 
 impl Engine {

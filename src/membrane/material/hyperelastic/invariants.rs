@@ -22,8 +22,8 @@ pub(super) fn of_squares<const L: usize>(c: &Squares<L>) -> [Lane<L>; 2] {
 /// S = 2 ∂W/∂I + 2 ∂W/∂D cof C.
 #[inline(always)]
 pub(super) fn plane_stress<const L: usize>(c: &Plane<L>, slopes: &Slopes<L>) -> Plane<L> {
-    let [first, second] = stress(&[c[0], c[1]], slopes);
-    [first, second, -2.0 * slopes[1] * c[2]]
+    let [by_trace, by_det] = *slopes;
+    [2.0 * (by_trace + by_det * c[1]), 2.0 * (by_trace + by_det * c[0]), -2.0 * by_det * c[2]]
 }
 
 /// S₁ and S₂.
