@@ -15,12 +15,13 @@ use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::filter::{self, Standard};
 use lab::signal::norm::relative_error;
 use lab::signal::resample;
-use lab::signal::{Annotations, Measurement, Series, column, integrate, t01};
+use lab::signal::column::{self, Column};
+use lab::signal::{Annotations, Measurement, Series, integrate, t01};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Impactor, Model, Reference, Window};
 
 /// A recording ready for comparison.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceComparison {
     /// Through the run's channel filter, m/s².
     pub acceleration: Option<Series>,
@@ -80,46 +81,21 @@ impl ReferenceComparison {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
-        let signals = reference.signals.as_deref().map(|path| Signals::read(path, model, reference)).transpose()?;
-        let field = reference.field.as_ref().map(read_field).transpose();
-        let field = field?.flatten().map(Arc::new);
-        let (signals, annotations) = signals.unwrap_or_default();
-        let Signals {
-            raw,
-            filtered,
-            displacement,
-            absorbed_energy,
-            total_energy,
-            energy_absorption,
-            drop,
-            contact,
-            reduction_warnings,
-        } = signals;
+        let signals = reference.signals.as_deref().map(|path| Unwindowed::read(path, model, reference)).transpose()?;
+        let field = reference.field.as_ref().map(read_field).transpose()?.flatten().map(Arc::new);
+        let Unwindowed { comparison, raw } = signals.unwrap_or_default();
         let window = match (reference.window, &reference.signals) {
             (Window::Range(range), _) => range,
             (Window::All, _) => [0.0, model.run_time()],
             (Window::Loading, None) => [0.0, last_of_field(model)],
             (Window::Loading, Some(path)) => {
-                let motion = raw.as_ref().or(filtered.as_ref());
-                let lowest = time_of_lowest_point(motion, displacement.as_ref(), model);
+                let motion = raw.as_ref().or(comparison.acceleration.as_ref());
+                let lowest = time_of_lowest_point(motion, comparison.displacement.as_ref(), model);
                 [0.0, lowest.ok_or_else(|| refused(path, NO_LOWEST_POINT))?]
             }
         };
-        let acceleration = filtered;
-        Ok(Some(ReferenceComparison {
-            acceleration,
-            displacement,
-            absorbed_energy,
-            total_energy,
-            window,
-            energy_absorption,
-            drop,
-            contact,
-            annotations,
-            reduction_warnings,
-            run_speed: model.impactors.get(reference.impactor).map_or(f64::NAN, |impactor| -impactor.velocity[2]),
-            field,
-        }))
+        let run_speed = model.impactors.get(reference.impactor).map_or(f64::NAN, |impactor| -impactor.velocity[2]);
+        Ok(Some(ReferenceComparison { window, run_speed, field, ..comparison }))
     }
 
     /// Doubts about the errors: a virtual recording, and all that was assumed or is implausible in its reduction.
@@ -188,35 +164,26 @@ fn last_of_field(model: &Model) -> f64 {
     wanted.copied().unwrap_or_else(|| model.run_time())
 }
 
-/// The signals of a recording from first contact on.
+/// A recording from first contact on, before its window is known.
 #[derive(Default)]
-struct Signals {
-    /// As recorded or corrected.
+struct Unwindowed {
+    /// With its signals, and without what the run says of it.
+    comparison: ReferenceComparison,
+    /// Its acceleration as recorded or corrected.
     raw: Option<Series>,
-    /// Through the run's channel filter.
-    filtered: Option<Series>,
-    displacement: Option<Series>,
-    absorbed_energy: Option<Series>,
-    total_energy: Option<Series>,
-    /// Of a raw recording.
-    energy_absorption: Option<f64>,
-    drop: Option<Figures>,
-    /// Covariance of the time of first contact (s) and the impact speed (m/s).
-    contact: [[f64; 2]; 2],
-    /// The warnings of its reduction.
-    reduction_warnings: Vec<experiment::Warning>,
 }
 
-impl Signals {
+impl Unwindowed {
     /// Of the file at `path`, with what it says beside its numbers.
-    fn read(path: &Path, model: &Model, reference: &Reference) -> Result<(Signals, Annotations), ReferenceError> {
+    fn read(path: &Path, model: &Model, reference: &Reference) -> Result<Unwindowed, ReferenceError> {
         let options = ReadOptions { channels: channels(reference), ..ReadOptions::default() };
         let measurement = file::read(path, &options)?;
-        let signals = match Signals::from_contact(&measurement, path, model, reference)? {
-            Some(signals) => signals,
-            None => Signals::from_raw(&measurement, path, model, reference)?,
+        let mut found = match Unwindowed::from_contact(&measurement, path, model, reference)? {
+            Some(found) => found,
+            None => Unwindowed::from_raw(&measurement, path, model, reference)?,
         };
-        Ok((signals, measurement.annotations))
+        found.comparison.annotations = measurement.annotations;
+        Ok(found)
     }
 
     /// Of a file that counts from first contact; none where it is a raw recording.
@@ -225,7 +192,7 @@ impl Signals {
         path: &Path,
         model: &Model,
         reference: &Reference,
-    ) -> Result<Option<Signals>, ReferenceError> {
+    ) -> Result<Option<Unwindowed>, ReferenceError> {
         // Of several impactors a time history of OpenRadioss has the signals of each under its name.
         let name = model.impactors.get(reference.impactor).and_then(|impactor| impactor.name.as_deref());
         let own = |column: &str| name.and_then(|name| measurement.channel(&format!("{name}/{column}")).ok());
@@ -242,19 +209,15 @@ impl Signals {
             None => raw.as_ref().map(|raw| filtered(raw, model, path)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
-        let (absorbed_energy, total_energy) =
-            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
-        Ok(any.then_some(Signals {
-            raw,
-            filtered,
+        let comparison = ReferenceComparison {
+            acceleration: filtered,
             displacement,
-            absorbed_energy,
-            total_energy,
-            energy_absorption: None,
-            drop: None,
+            absorbed_energy: channel(column::ABSORBED_ENERGY.name),
+            total_energy: channel(column::TOTAL_ENERGY.name),
             contact: [[variance(reference.contact_error), 0.0], [0.0, variance(reference.speed_error)]],
-            reduction_warnings: Vec::new(),
-        }))
+            ..ReferenceComparison::default()
+        };
+        Ok(any.then_some(Unwindowed { comparison, raw }))
     }
 
     /// Of a raw recording, reduced with the mass and gravity of the run.
@@ -263,7 +226,7 @@ impl Signals {
         path: &Path,
         model: &Model,
         reference: &Reference,
-    ) -> Result<Signals, ReferenceError> {
+    ) -> Result<Unwindowed, ReferenceError> {
         let (Some(Impact { gravity, .. }), Some(impactor)) =
             (model.loading.impact(), model.impactors.get(reference.impactor))
         else {
@@ -297,22 +260,19 @@ impl Signals {
             guide_friction: reference.guide_friction,
         };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| raw(&source))?;
-        let channel = |name| drop.signals.series(name);
-        let (raw, displacement) = (channel(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
-        let (filtered, energy_absorption) = (channel(column::ACCELERATION_FILTERED.name), drop.energy_absorption);
-        let (absorbed_energy, total_energy) =
-            (channel(column::ABSORBED_ENERGY.name), channel(column::TOTAL_ENERGY.name));
-        Ok(Signals {
-            raw,
-            filtered,
-            displacement,
-            absorbed_energy,
-            total_energy,
-            energy_absorption,
+        let channel = |column: Column| drop.signals.series(column.name);
+        let comparison = ReferenceComparison {
+            acceleration: channel(column::ACCELERATION_FILTERED),
+            displacement: channel(column::DISPLACEMENT),
+            absorbed_energy: channel(column::ABSORBED_ENERGY),
+            total_energy: channel(column::TOTAL_ENERGY),
+            energy_absorption: drop.energy_absorption,
             drop: Some(Figures { notes: Vec::new(), ..drop.figures() }),
             contact: drop.intervals.as_ref().map_or([[0.0; 2]; 2], |intervals| intervals.contact),
-            reduction_warnings: drop.warnings,
-        })
+            ..ReferenceComparison::default()
+        };
+        let raw = channel(column::ACCELERATION);
+        Ok(Unwindowed { comparison: ReferenceComparison { reduction_warnings: drop.warnings, ..comparison }, raw })
     }
 }
 
