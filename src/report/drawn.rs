@@ -6,7 +6,7 @@ use crate::html::{data, escape};
 use base::number::{rounded, significant};
 use base::written;
 use plot::{Axis, Curve, Look, Mark, Plot, Scale};
-use study::post::Histogram;
+use scene::simulate::RateHistogram;
 
 /// Most points of one curve; a longer one is reduced to the extremes of its intervals.
 const MOST_POINTS: usize = 2000;
@@ -56,8 +56,8 @@ pub(crate) fn side_by_side(figures: impl IntoIterator<Item = String>) -> String 
 }
 
 /// The histogram of strain rates over decades with the measured range marked; empty without strain increments.
-pub(crate) fn rates(title: &str, histogram: &Histogram) -> String {
-    let bins = histogram.edges_1_s.windows(2).zip(&histogram.shares);
+pub(crate) fn rates(title: &str, histogram: &RateHistogram) -> String {
+    let bins = histogram.edges.windows(2).zip(&histogram.shares);
     let shown: Vec<_> = bins.filter(|(_, share)| **share > LEAST_SHARE).collect();
     let (Some((first, _)), Some((last, _))) = (shown.first(), shown.last()) else {
         return String::new();
@@ -68,7 +68,7 @@ pub(crate) fn rates(title: &str, histogram: &Histogram) -> String {
     let label = "range in which the curves were measured".into();
     let plot = Plot {
         x: Axis { label: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
-        window: histogram.measured_1_s.map(|range| plot::Window { label, range }),
+        window: histogram.measured.map(|range| plot::Window { label, range }),
         ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
     };
     filled(&plot)
@@ -295,17 +295,17 @@ mod tests {
 
     #[test]
     fn rates_show_the_measured_range() {
-        let histogram = Histogram {
-            edges_1_s: vec![0.1, 1.0, 10.0, 100.0],
+        let histogram = RateHistogram {
+            edges: vec![0.1, 1.0, 10.0, 100.0],
             shares: vec![0.2, 0.5, 0.3],
-            measured_1_s: Some([0.04, 40.0]),
+            measured: Some([0.04, 40.0]),
             outside: 0.3,
         };
         let data = block(&rates("Strain rates", &histogram));
         assert_eq!(data["window"]["range"], json!([0.04, 40.0]));
         assert_eq!(data["curves"][0]["x"], json!([0.1, 0.1, 1.0, 1.0, 10.0, 10.0, 100.0, 100.0]));
         assert_eq!((&data["x"]["log"], &data["filled"]), (&json!(true), &json!(true)));
-        let nothing = Histogram { shares: vec![0.0; 3], ..histogram };
+        let nothing = RateHistogram { shares: vec![0.0; 3], ..histogram };
         assert_eq!(rates("Strain rates", &nothing), "");
     }
 

@@ -1,5 +1,6 @@
 //! The energy balance of a run, and its strain rates beside those at which its curves were measured.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
@@ -151,13 +152,15 @@ const TOLERANCE: f64 = 0.01;
 
 /// Shares of the strain increments of the film by strain rate. An increment is the growth of the largest strain of an
 /// element and counts with the element's volume; only the loading phase is counted.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RateHistogram {
     /// Edges of the bins, 1/s, logarithmic.
+    #[serde(rename = "edges_1_s")]
     pub edges: Vec<f64>,
     /// Share in each bin; they sum to one unless no element was strained.
     pub shares: Vec<f64>,
     /// Range in which the curves were measured, 1/s.
+    #[serde(rename = "measured_1_s")]
     pub measured: Option<[f64; 2]>,
     /// Share outside that range.
     pub outside: f64,

@@ -82,7 +82,7 @@ pub struct Audit {
     /// The mesh of each face.
     pub meshes: Vec<MeshFigures>,
     /// Strain increments by strain rate.
-    pub strain_rates: Histogram,
+    pub strain_rates: RateHistogram,
 }
 
 /// How the film came to equilibrium before the test (theory.md, section 18).
@@ -135,19 +135,6 @@ impl MeshFigures {
     }
 }
 
-/// Shares of the strain increments of the film by strain rate.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Histogram {
-    /// Edges of the bins, 1/s.
-    pub edges_1_s: Vec<f64>,
-    /// Share of each bin.
-    pub shares: Vec<f64>,
-    /// Range in which the curves were measured, 1/s.
-    pub measured_1_s: Option<[f64; 2]>,
-    /// Share outside the measured range.
-    pub outside: f64,
-}
-
 impl Audit {
     /// The figures of a finished or failed run, and of its comparison with a displacement field.
     pub(super) fn from_outcome(outcome: &Outcome, field: Option<&FieldComparison>) -> Audit {
@@ -183,18 +170,7 @@ impl Audit {
             relaxation: outcome.relaxation.map(RelaxationFigures::from_relaxation),
             penetration: outcome.penetration,
             meshes: outcome.films.iter().map(|film| MeshFigures::from_quality(&film.quality)).collect(),
-            strain_rates: Histogram::from_rates(&outcome.rates),
-        }
-    }
-}
-
-impl Histogram {
-    fn from_rates(rates: &RateHistogram) -> Histogram {
-        Histogram {
-            edges_1_s: rates.edges.clone(),
-            shares: rates.shares.clone(),
-            measured_1_s: rates.measured,
-            outside: rates.outside,
+            strain_rates: outcome.rates.clone(),
         }
     }
 }

@@ -14,7 +14,7 @@ pub(crate) mod run;
 mod tests;
 mod warning;
 
-pub use crate::post::audit::{Audit, COST, Histogram, MeshFigures, OF_THE_MACHINE};
+pub use crate::post::audit::{Audit, COST, MeshFigures, OF_THE_MACHINE};
 pub use crate::post::comparison::RunComparison;
 pub use crate::post::field::{FieldFigures, FieldTime};
 pub use crate::post::figures::{
