@@ -163,6 +163,11 @@ impl Diagnostic {
         Diagnostic { hint: Some(hint.into()), ..self }
     }
 
+    /// Message and hint in one line, without its place.
+    pub fn in_line(&self) -> String {
+        self.hint.as_ref().map_or_else(|| self.message.clone(), |hint| format!("{} ({hint})", self.message))
+    }
+
     /// The mistake with a hint, where there is one.
     pub fn hint_if(self, hint: Option<String>) -> Diagnostic {
         Diagnostic { hint: hint.or(self.hint), ..self }
@@ -376,6 +381,11 @@ fn likeness(written: &str, name: &str) -> f64 {
     let starts = name.starts_with(written);
     let is_part = (starts && written.len() > 2) || (begins && written.len() > 3) || (ends && name.len() > 3);
     if is_part { 0.7 } else { 0.0 }
+}
+
+/// The question after a word that is not `known`, with the closest one in backticks; none without a close one.
+pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    closest(written, known).map(|close| format!("did you mean `{close}`?"))
 }
 
 /// Names in a sentence: "`a`, `b`".

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Map};
 use serde::Serialize;
 
-use base::diagnostic::{Diagnostic, Source, Span, closest};
+use base::diagnostic::{Diagnostic, Source, Span, did_you_mean};
 
 /// Begins a line about the script.
 const MARK: &str = "//!";
@@ -173,11 +173,8 @@ impl About {
         let names = || self.arguments.iter().map(|one| one.name.as_str());
         let Some(declared) = self.arguments.iter().find(|one| one.name == name) else {
             let mistake = Diagnostic::new(format!("the script has no argument `{name}`"));
-            let hint = match closest(name, names()) {
-                Some(meant) => format!("did you mean `{meant}`?"),
-                None => format!("it has {}", names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")),
-            };
-            return Some(mistake.hint(hint));
+            let all = || format!("it has {}", names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "));
+            return Some(mistake.hint(did_you_mean(name, names()).unwrap_or_else(all)));
         };
         (!declared.kind.holds(value)).then(|| {
             let message = format!("--arg {name}: expected {}, found `{value}`", declared.kind.expected());

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use rhai::{AST, ASTFlags, ASTNode, Engine, Expr, FnAccess, FnCallExpr, Position, Stmt};
+use rhai::{AST, ASTFlags, ASTNode, Engine, Expr, FnAccess, FnCallExpr, Ident, Position, Stmt};
 
 use crate::script::module::Unit;
 use crate::script::{CallOptions, Fault, Fields};
-use base::diagnostic::closest;
+use base::diagnostic::{closest, did_you_mean};
 use base::removed;
 
 /// Functions of the interpreter itself, which its list of functions lacks.
@@ -35,7 +35,7 @@ fn calls_of_unit(unit: &Unit, words: &Words, mentioned: &HashSet<&str>, mut know
         !known.contains(&call.name) && !in_a_map
     };
     let mut calls: Vec<&Call> = words.calls.iter().filter(undefined).collect();
-    calls.sort_by_key(|call| (call.position.line(), call.position.position()));
+    calls.sort_by_key(|call| order(call.position));
     let fault = |call: &Call| {
         let message = format!("undefined function `{}`", call.name);
         Fault::located(&unit.source, call.position, message).with_hint(hint_for(call, words, &known))
@@ -50,7 +50,33 @@ fn hint_for(call: &Call, words: &Words, known: &BTreeSet<String>) -> Option<Stri
     }
     let functions =
         known.iter().map(String::as_str).filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_'));
-    removed::function(name).or_else(|| closest(name, functions).map(|close| format!("did you mean `{close}`?")))
+    removed::function(name).or_else(|| did_you_mean(name, functions))
+}
+
+/// Looks at each node of a program, with the nodes about it from the outside in, itself the last.
+pub(super) fn each_node(program: &AST, mut look: impl FnMut(&ASTNode, &[ASTNode])) {
+    program.walk(&mut |path: &[ASTNode]| {
+        if let Some(node) = path.last() {
+            look(node, path);
+        }
+        true
+    });
+}
+
+/// The call that a node is, its place, and whether it is that of a method.
+pub(super) fn as_call<'n>(node: &'n ASTNode<'_>) -> Option<(&'n FnCallExpr, Position, bool)> {
+    match node {
+        ASTNode::Expr(Expr::MethodCall(call, position)) => Some((call, *position, true)),
+        ASTNode::Expr(Expr::FnCall(call, position)) | ASTNode::Stmt(Stmt::FnCall(call, position)) => {
+            Some((call, *position, false))
+        }
+        _ => None,
+    }
+}
+
+/// What orders places in a text.
+pub(super) fn order(position: Position) -> (Option<usize>, Option<usize>) {
+    (position.line(), position.position())
 }
 
 struct Call {
@@ -61,50 +87,32 @@ struct Call {
 
 /// The calls of a script, and other names in it.
 #[derive(Default)]
-pub(crate) struct Words {
+struct Words {
     calls: Vec<Call>,
     /// Keys of maps, properties and texts.
-    pub(crate) mentioned: HashSet<String>,
+    mentioned: HashSet<String>,
     variables: HashSet<String>,
 }
 
 impl Words {
-    pub(crate) fn from_program(program: &AST) -> Words {
+    fn from_program(program: &AST) -> Words {
         let mut words = Words::default();
-        program.walk(&mut |path: &[ASTNode]| {
-            match path.last() {
-                Some(ASTNode::Expr(expression)) => words.read_expression(expression),
-                Some(ASTNode::Stmt(statement)) => words.read_statement(statement),
-                _ => {}
+        each_node(program, |node, _| match node {
+            ASTNode::Expr(Expr::StringConstant(text, _)) => drop(words.mentioned.insert(text.to_string())),
+            ASTNode::Expr(Expr::Property(property, _)) => drop(words.mentioned.insert(property.2.to_string())),
+            ASTNode::Expr(map @ Expr::Map(..)) => words.mentioned.extend(keys_of(map)),
+            ASTNode::Stmt(Stmt::Var(variable, ..)) => drop(words.variables.insert(variable.0.name.to_string())),
+            other => {
+                let call = as_call(other).filter(|(call, ..)| !call.is_operator_call() && !call.is_qualified());
+                let named = |(call, position, is_method): (&FnCallExpr, Position, bool)| Call {
+                    name: call.name.to_string(),
+                    position,
+                    is_method,
+                };
+                words.calls.extend(call.map(named));
             }
-            true
         });
         words
-    }
-
-    fn read_expression(&mut self, expression: &Expr) {
-        match expression {
-            Expr::FnCall(call, position) => self.read_call(call, *position, false),
-            Expr::MethodCall(call, position) => self.read_call(call, *position, true),
-            Expr::StringConstant(text, _) => drop(self.mentioned.insert(text.to_string())),
-            Expr::Property(property, _) => drop(self.mentioned.insert(property.2.to_string())),
-            Expr::Map(map, _) => self.mentioned.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
-            _ => {}
-        }
-    }
-
-    fn read_statement(&mut self, statement: &Stmt) {
-        match statement {
-            Stmt::FnCall(call, position) => self.read_call(call, *position, false),
-            Stmt::Var(variable, _, _) => drop(self.variables.insert(variable.0.name.to_string())),
-            _ => {}
-        }
-    }
-
-    fn read_call(&mut self, call: &FnCallExpr, position: Position, is_method: bool) {
-        if !call.is_operator_call() && !call.is_qualified() {
-            self.calls.push(Call { name: call.name.to_string(), position, is_method });
-        }
     }
 }
 
@@ -121,32 +129,23 @@ pub(crate) fn unknown_options(known: &[CallOptions], units: &[Unit]) -> Vec<Faul
 
 fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) -> Vec<Fault> {
     let mut found = Vec::new();
-    unit.program.walk(&mut |path: &[ASTNode]| {
-        let call: Option<&FnCallExpr> = match path.last() {
-            Some(
-                ASTNode::Expr(Expr::FnCall(call, _) | Expr::MethodCall(call, _)) | ASTNode::Stmt(Stmt::FnCall(call, _)),
-            ) => Some(call),
-            _ => None,
-        };
-        if let Some(call) = call.filter(|call| !own.contains(call.name.as_str())) {
-            for options in known.iter().filter(|options| options.function == call.name.as_str()) {
-                let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
-                for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
-                    if !(options.names)().contains(&key.name.as_str()) {
-                        found.push((*options, key.name.to_string(), key.pos));
-                    }
+    each_node(&unit.program, |node, _| {
+        let Some((call, ..)) = as_call(node).filter(|(call, ..)| !own.contains(call.name.as_str())) else { return };
+        for options in known.iter().filter(|options| options.function == call.name.as_str()) {
+            let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
+            for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
+                if !(options.names)().contains(&key.name.as_str()) {
+                    found.push((*options, key.name.to_string(), key.pos));
                 }
             }
         }
-        true
     });
-    found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
+    found.sort_by_key(|(_, _, position)| order(*position));
     let fault = |(options, key, position): (CallOptions, String, Position)| {
         let message = format!("{} has no option `{key}`", options.of);
         let names = (options.names)();
         let gone = removed::function(&format!("{}.{key}", options.function));
-        let close = || closest(&key, names.iter().copied()).map(|close| format!("did you mean `{close}`?"));
-        let hint = gone.or_else(close);
+        let hint = gone.or_else(|| did_you_mean(&key, names.iter().copied()));
         let known = || format!("it takes {}", names.join(", "));
         Fault::located(&unit.source, position, message).with_hint(Some(hint.unwrap_or_else(known)))
     };
@@ -166,11 +165,16 @@ fn maps_of<'a>(given: &'a Expr, inside: Option<&str>) -> Vec<&'a Expr> {
 }
 
 /// The entries of a map.
-fn as_map(expression: &Expr) -> Option<impl Iterator<Item = (&rhai::Ident, &Expr)>> {
+fn as_map(expression: &Expr) -> Option<impl Iterator<Item = (&Ident, &Expr)>> {
     match expression {
         Expr::Map(map, _) => Some(map.0.iter().map(|(key, value)| (key, value))),
         _ => None,
     }
+}
+
+/// The keys of a map.
+fn keys_of(map: &Expr) -> impl Iterator<Item = String> {
+    as_map(map).into_iter().flatten().map(|(key, _)| key.name.to_string())
 }
 
 /// Every access `.<map>.<field>` in `units` to a field that the map cannot have, in the order of the texts. A program
@@ -185,8 +189,7 @@ pub(crate) fn unknown_fields(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
             return None;
         }
         let fault = Fault::located(&unit.source, position, format!("a {map} has no `{field}`"));
-        let close = closest(&field, known.names.iter().copied());
-        Some(fault.with_hint(close.map(|name| format!("did you mean `{name}`?"))))
+        Some(fault.with_hint(did_you_mean(&field, known.names.iter().copied())))
     };
     let faults = units.iter().zip(found).flat_map(|(unit, found)| found.into_iter().map(move |access| (unit, access)));
     faults.filter_map(|(unit, access)| fault(unit, access)).collect()
@@ -198,20 +201,17 @@ type Access = (String, String, Position);
 /// The accesses in a text; keys and texts in it are added to `own`.
 fn accesses(unit: &Unit, own: &mut HashSet<String>) -> Vec<Access> {
     let mut found: Vec<Access> = Vec::new();
-    unit.program.walk(&mut |path: &[ASTNode]| {
-        match path.last() {
-            Some(ASTNode::Expr(Expr::Map(map, _))) => own.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
-            Some(ASTNode::Expr(Expr::StringConstant(text, _))) => drop(own.insert(text.to_string())),
-            Some(ASTNode::Expr(Expr::Dot(pair, ..))) => {
-                if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
-                    found.push((map, field, position));
-                }
+    each_node(&unit.program, |node, _| match node {
+        ASTNode::Expr(map @ Expr::Map(..)) => own.extend(keys_of(map)),
+        ASTNode::Expr(Expr::StringConstant(text, _)) => drop(own.insert(text.to_string())),
+        ASTNode::Expr(Expr::Dot(pair, ..)) => {
+            if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
+                found.push((map, field, position));
             }
-            _ => {}
         }
-        true
+        _ => {}
     });
-    found.sort_by_key(|(_, _, position)| (position.line(), position.position()));
+    found.sort_by_key(|(_, _, position)| order(*position));
     found
 }
 
@@ -248,14 +248,13 @@ fn late_imports(unit: &Unit) -> Vec<Fault> {
     let is_import = |statement: &&Stmt| matches!(statement, Stmt::Import(..));
     let outer: HashSet<Position> = unit.program.statements().iter().filter(is_import).map(Stmt::position).collect();
     let mut faults = Vec::new();
-    unit.program.walk(&mut |path: &[ASTNode]| {
-        if let Some(ASTNode::Stmt(Stmt::Import(_, position))) = path.last()
+    each_node(&unit.program, |node, _| {
+        if let ASTNode::Stmt(Stmt::Import(_, position)) = node
             && !outer.contains(position)
         {
             let fault = Fault::located(&unit.source, *position, "a module is imported within a block".into());
             faults.push(fault.with_hint(Some("write the import at the beginning of the file".into())));
         }
-        true
     });
     faults
 }
@@ -328,27 +327,24 @@ fn common_aliases(units: &[Unit]) -> Vec<Fault> {
 /// Calls and constants of modules that these do not have.
 fn uses(unit: &Unit, units: &[Unit]) -> Vec<Fault> {
     let mut found: Vec<(Vec<String>, String, Option<usize>, Position)> = Vec::new();
-    unit.program.walk(&mut |path: &[ASTNode]| {
-        match path.last() {
-            Some(ASTNode::Expr(Expr::FnCall(call, position))) | Some(ASTNode::Stmt(Stmt::FnCall(call, position))) => {
-                let namespace: Vec<String> = call.namespace.path.iter().map(|part| part.name.to_string()).collect();
-                found.push((namespace, call.name.to_string(), Some(call.args.len()), *position));
-            }
-            Some(ASTNode::Expr(Expr::Variable(variable, _, position))) => {
-                let namespace: Vec<String> = variable.2.path.iter().map(|part| part.name.to_string()).collect();
-                found.push((namespace, variable.1.to_string(), None, *position));
-            }
-            _ => {}
+    let names = |path: &[Ident]| path.iter().map(|part| part.name.to_string()).collect();
+    each_node(&unit.program, |node, _| match node {
+        ASTNode::Expr(Expr::Variable(variable, _, position)) => {
+            found.push((names(&variable.2.path), variable.1.to_string(), None, *position));
         }
-        true
+        other => found.extend(as_call(other).map(|(call, position, _)| {
+            (names(&call.namespace.path), call.name.to_string(), Some(call.args.len()), position)
+        })),
     });
     found.retain(|(namespace, ..)| !namespace.is_empty());
-    found.sort_by_key(|(.., position)| (position.line(), position.position()));
+    found.sort_by_key(|(.., position)| order(*position));
     let fault = |(namespace, name, values, position): (Vec<String>, String, Option<usize>, Position)| {
-        let (message, hint) = match values {
+        let path = namespace.join("::");
+        let (message, hint) = match (unit.imported(units, &namespace), values) {
             _ if namespace[0] == CONSTANTS => of_constants(unit)?,
-            Some(values) => of_call(unit.imported(units, &namespace), &namespace, &name, values)?,
-            None => of_constant(unit.imported(units, &namespace), &namespace, &name)?,
+            (None, _) => (format!("there is no module `{path}` here"), None),
+            (Some(module), Some(values)) => of_call(module, &path, &name, values)?,
+            (Some(module), None) => of_constant(module, &path, &name)?,
         };
         Some(Fault::located(&unit.source, position, message).with_hint(hint))
     };
@@ -363,9 +359,7 @@ fn of_constants(unit: &Unit) -> Option<Refusal> {
     (!unit.imports.is_empty()).then(|| (message.into(), Some("hand the value to the function as an argument".into())))
 }
 
-fn of_call(module: Option<&Unit>, namespace: &[String], name: &str, values: usize) -> Option<Refusal> {
-    let path = namespace.join("::");
-    let Some(module) = module else { return Some((format!("there is no module `{path}` here"), None)) };
+fn of_call(module: &Unit, path: &str, name: &str, values: usize) -> Option<Refusal> {
     let public = || module.program.iter_functions().filter(|function| function.access == FnAccess::Public);
     let counts: Vec<usize> =
         public().filter(|function| function.name == name).map(|function| function.params.len()).collect();
@@ -381,9 +375,7 @@ fn of_call(module: Option<&Unit>, namespace: &[String], name: &str, values: usiz
     Some((format!("the module `{path}` has no function `{name}`"), hint))
 }
 
-fn of_constant(module: Option<&Unit>, namespace: &[String], name: &str) -> Option<Refusal> {
-    let path = namespace.join("::");
-    let Some(module) = module else { return Some((format!("there is no module `{path}` here"), None)) };
+fn of_constant(module: &Unit, path: &str, name: &str) -> Option<Refusal> {
     let names = constants(&module.program);
     if names.iter().any(|constant| constant == name) {
         return None;

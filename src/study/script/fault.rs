@@ -4,14 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rhai::{
-    AST, ASTNode, Dynamic, Engine, EvalAltResult, Expr, FuncInfo, ImmutableString, ParseError, ParseErrorType,
-    Position, Stmt,
+    AST, ASTNode, Dynamic, Engine, EvalAltResult, Expr, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position,
 };
 use thiserror::Error;
 
 use super::Session;
+use super::checks::{as_call, each_node, order};
 use super::module::{self, SourceText, Unit};
-use base::diagnostic::closest;
+use base::diagnostic::did_you_mean;
 
 /// A mistake in a script, found while reading or while running it.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -63,8 +63,7 @@ impl Fault {
             EvalAltResult::ErrorPropertyNotFound(name, _) => {
                 let fields = Session::of_engine(engine).fields();
                 let names = fields.iter().flat_map(|fields| fields.names.iter().copied());
-                let hint = closest(name, names).map(|name| format!("did you mean `{name}`?"));
-                at(format!("there is no property `{name}`")).with_hint(hint)
+                at(format!("there is no property `{name}`")).with_hint(did_you_mean(name, names))
             }
             EvalAltResult::ErrorTooManyOperations(_) => {
                 at(format!("the script takes more than {} steps of the interpreter", engine.max_operations()))
@@ -250,20 +249,22 @@ pub fn is_numerical(error: &EvalAltResult) -> bool {
     matches!(error.unwrap_inner(), EvalAltResult::ErrorRuntime(value, _) if value.is::<NumericalFailure>())
 }
 
-/// The key of a map that the error refuses.
-pub fn refused_key(error: &EvalAltResult) -> Option<String> {
+/// The mistake in a key of a map that an uncaught error is.
+fn mistake_of(error: &EvalAltResult) -> Option<KeyMistake> {
     match error.unwrap_inner() {
-        EvalAltResult::ErrorRuntime(value, _) => value.read_lock::<KeyMistake>().map(|mistake| mistake.key.to_string()),
+        EvalAltResult::ErrorRuntime(value, _) => value.clone().try_cast(),
         _ => None,
     }
 }
 
+/// The key of a map that the error refuses.
+pub fn refused_key(error: &EvalAltResult) -> Option<String> {
+    mistake_of(error).map(|mistake| mistake.key)
+}
+
 /// The text of an uncaught mistake in a key of a map, which [`thrown`] gives.
 pub fn key_mistake(error: &EvalAltResult) -> Option<String> {
-    match error.unwrap_inner() {
-        EvalAltResult::ErrorRuntime(value, _) => value.read_lock::<KeyMistake>().map(|mistake| mistake.text()),
-        _ => None,
-    }
+    mistake_of(error).map(|mistake| mistake.text())
 }
 
 /// The thrown value as text.
@@ -326,34 +327,28 @@ pub fn refuse_hinted(message: &impl Display, hint: Option<impl Display>) -> Box<
 }
 
 /// The place of the key `name` of a map among the arguments of the call at `call`; none where the map was built before.
-pub(super) fn place_of_key(program: &AST, name: &str, call: Position) -> Option<Position> {
-    let is_call = |node: &ASTNode| match node {
-        ASTNode::Expr(Expr::FnCall(_, position) | Expr::MethodCall(_, position))
-        | ASTNode::Stmt(Stmt::FnCall(_, position)) => *position == call,
-        _ => false,
-    };
+fn place_of_key(program: &AST, name: &str, call: Position) -> Option<Position> {
+    let is_call = |node: &ASTNode| as_call(node).is_some_and(|(_, position, _)| position == call);
     let mut found: Vec<Position> = Vec::new();
-    program.walk(&mut |path: &[ASTNode]| {
-        if let Some(ASTNode::Expr(Expr::Map(map, _))) = path.last()
+    each_node(program, |node, path| {
+        if let ASTNode::Expr(Expr::Map(map, _)) = node
             && path.iter().any(is_call)
         {
             found.extend(map.0.iter().filter(|(key, _)| key.name == name).map(|(key, _)| key.pos));
         }
-        true
     });
-    found.into_iter().min_by_key(|position| (position.line(), position.position()))
+    found.into_iter().min_by_key(|position| order(*position))
 }
 
 /// The property that stands at `place`, or whose dot does.
-pub(super) fn property_at(program: &AST, place: Position) -> Option<String> {
+fn property_at(program: &AST, place: Position) -> Option<String> {
     let mut found = None;
-    program.walk(&mut |path: &[ASTNode]| {
-        if let Some(ASTNode::Expr(Expr::Property(property, position))) = path.last()
+    each_node(program, |node, _| {
+        if let ASTNode::Expr(Expr::Property(property, position)) = node
             && *position == place
         {
             found = Some(property.2.to_string());
         }
-        true
     });
     found
 }
@@ -361,27 +356,24 @@ pub(super) fn property_at(program: &AST, place: Position) -> Option<String> {
 /// Whether `program` reads a property `name`, has it as a text, or reads the keys of something.
 pub(super) fn mentions(program: &AST, name: &str) -> bool {
     let mut found = false;
-    program.walk(&mut |path: &[ASTNode]| {
-        found |= match path.last() {
-            Some(ASTNode::Expr(Expr::Property(property, _))) => property.2 == name,
-            Some(ASTNode::Expr(Expr::StringConstant(text, _))) => text == name,
-            Some(ASTNode::Expr(Expr::MethodCall(call, _))) => call.name == "keys",
+    each_node(program, |node, _| {
+        found |= match node {
+            ASTNode::Expr(Expr::Property(property, _)) => property.2 == name,
+            ASTNode::Expr(Expr::StringConstant(text, _)) => text == name,
+            ASTNode::Expr(Expr::MethodCall(call, _)) => call.name == "keys",
             _ => false,
         };
-        !found
     });
     found
 }
 
 /// Whether `program` reads the argument `name` with one of these methods of `args`.
 pub(super) fn reads_with(program: &AST, methods: &[&str], name: &str) -> bool {
+    let is_name = |argument: &Expr| matches!(argument, Expr::StringConstant(text, _) if text == name);
     let mut found = false;
-    program.walk(&mut |path: &[ASTNode]| {
-        if let Some(ASTNode::Expr(Expr::MethodCall(call, _))) = path.last() {
-            let is_name = |argument: &Expr| matches!(argument, Expr::StringConstant(text, _) if text == name);
-            found |= methods.contains(&call.name.as_str()) && call.args.first().is_some_and(is_name);
-        }
-        !found
+    each_node(program, |node, _| {
+        let call = as_call(node).filter(|(call, _, is_method)| *is_method && methods.contains(&call.name.as_str()));
+        found |= call.is_some_and(|(call, ..)| call.args.first().is_some_and(is_name));
     });
     found
 }
