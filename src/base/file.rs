@@ -145,6 +145,17 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     draft.persist(path).map(drop).map_err(|error| error.error)
 }
 
+/// Removes a file, which may be gone already: another process may remove it, too.
+///
+/// # Errors
+/// It is there and cannot be removed.
+pub fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
 /// CRC-32 (ISO 3309) of `bytes`.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)

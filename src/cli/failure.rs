@@ -11,7 +11,7 @@ use crate::{DiagnosticFormat, has_printed, print_diagnostics, print_drawing, pri
 use base::diagnostic::{Diagnostic, Record, Source, Span, shown_path};
 use base::file;
 use lab::error::{Error, Kind};
-use study::post::{EvaluateError, PrepareError, ReferenceError};
+use study::post::{EvaluateError, PrepareError};
 use study::script::{Fault, ReadError};
 use study::store::StoreError;
 
@@ -163,10 +163,7 @@ pub(crate) fn script(fault: &Fault) -> Diagnostic {
 pub(crate) fn reading(error: &ReadError) -> Vec<Diagnostic> {
     match error {
         ReadError::Faults(faults) => faults.iter().map(script).collect(),
-        ReadError::Open { source, .. } if source.hint().is_some() => {
-            vec![hinted(error, source.hint())]
-        }
-        other => vec![Diagnostic::new(other.to_string())],
+        ReadError::Refused(error) => vec![hinted(error, error.hint())],
     }
 }
 
@@ -174,7 +171,7 @@ pub(crate) fn reading(error: &ReadError) -> Vec<Diagnostic> {
 pub(crate) fn preparing(error: &PrepareError) -> Vec<Diagnostic> {
     match error {
         PrepareError::Script(error) => reading(error),
-        PrepareError::Reference(ReferenceError::Read(error)) => vec![recording(error)],
+        PrepareError::Recording(error) => vec![recording(error)],
         other => vec![Diagnostic::new(other.to_string())],
     }
 }

@@ -18,6 +18,10 @@ impl Error {
         Error { hint: Some(hint.into()), ..self }
     }
 
+    pub(crate) fn with_hint_if(self, hint: Option<&str>) -> Error {
+        Error { hint: hint.map(str::to_owned), ..self }
+    }
+
     /// The remedy.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()

@@ -23,7 +23,7 @@ pub use crate::post::figures::{
 };
 pub use crate::post::impact::{BodyFigures, Impact, lowest_point};
 pub use crate::post::quasi_static::{Indent, Inflation, Stretch};
-pub use crate::post::reference::{ReferenceComparison, ReferenceError};
+pub use crate::post::reference::ReferenceComparison;
 pub use crate::post::remedies::failure as failure_message;
 pub use crate::post::results::{EvaluateError, HEADER, Measures, Plan, PrepareError, Results};
 pub use crate::post::run::Run;

@@ -4,18 +4,18 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::Warning;
+use super::{PrepareError, Warning};
 use crate::Error;
 use lab::Error as LabError;
 use lab::dic::{Field, FieldOptions};
 use lab::experiment;
 use lab::experiment::absorption::Body;
 use lab::experiment::drop::{ChannelNames, Class, Correction, DropChannels, Figures, Reduction, Tower};
+use lab::signal::column::{self, Column};
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
 use lab::signal::filter::{self, Standard};
 use lab::signal::norm::relative_error;
 use lab::signal::resample;
-use lab::signal::column::{self, Column};
 use lab::signal::{Annotations, Measurement, Series, integrate, t01};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Impactor, Model, Reference, Window};
@@ -59,17 +59,6 @@ const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_fil
 const NO_LOWEST_POINT: &str = "the recording has no lowest point: displacement has gaps, and acceleration does not bring the \
                                impactor to rest";
 
-/// Why a recording cannot be compared with a run.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceError {
-    /// The file or the field cannot be read.
-    #[error(transparent)]
-    Read(#[from] LabError),
-    /// The recording does not suit the run.
-    #[error(transparent)]
-    Refused(#[from] Error),
-}
-
 /// What is wrong with a recording.
 fn refused(path: &Path, why: impl Display) -> Error {
     Error::new(format!("{}: {why}", path.display()))
@@ -77,7 +66,7 @@ fn refused(path: &Path, why: impl Display) -> Error {
 
 impl ReferenceComparison {
     /// Reads the recording and the field of `model`, if it names any, and reduces a raw recording.
-    pub fn read(model: &Model) -> Result<Option<ReferenceComparison>, ReferenceError> {
+    pub fn read(model: &Model) -> Result<Option<ReferenceComparison>, PrepareError> {
         let Some(reference) = &model.reference else {
             return Ok(None);
         };
@@ -175,7 +164,7 @@ struct Unwindowed {
 
 impl Unwindowed {
     /// Of the file at `path`, with what it says beside its numbers.
-    fn read(path: &Path, model: &Model, reference: &Reference) -> Result<Unwindowed, ReferenceError> {
+    fn read(path: &Path, model: &Model, reference: &Reference) -> Result<Unwindowed, PrepareError> {
         let options = ReadOptions { channels: channels(reference), ..ReadOptions::default() };
         let measurement = file::read(path, &options)?;
         let mut found = match Unwindowed::from_contact(&measurement, path, model, reference)? {
@@ -192,7 +181,7 @@ impl Unwindowed {
         path: &Path,
         model: &Model,
         reference: &Reference,
-    ) -> Result<Option<Unwindowed>, ReferenceError> {
+    ) -> Result<Option<Unwindowed>, PrepareError> {
         // Of several impactors a time history of OpenRadioss has the signals of each under its name.
         let name = model.impactors.get(reference.impactor).and_then(|impactor| impactor.name.as_deref());
         let own = |column: &str| name.and_then(|name| measurement.channel(&format!("{name}/{column}")).ok());
@@ -226,7 +215,7 @@ impl Unwindowed {
         path: &Path,
         model: &Model,
         reference: &Reference,
-    ) -> Result<Unwindowed, ReferenceError> {
+    ) -> Result<Unwindowed, PrepareError> {
         let (Some(Impact { gravity, .. }), Some(impactor)) =
             (model.loading.impact(), model.impactors.get(reference.impactor))
         else {

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::field::{compare, warnings};
 use super::impact::object;
-use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, ReferenceError, Run, RunFindings, Stretch, run};
+use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Run, RunFindings, Stretch, run};
 use crate::field_comparison::FieldComparison;
 use crate::functions;
 use crate::script::{self, Fault, Limits, OutputCollector, Script, ScriptOutput};
@@ -203,10 +203,13 @@ pub struct Plan {
 pub enum PrepareError {
     /// The channel filter needs a higher sample rate.
     #[error("output.filter: {0}")]
-    Filter(#[from] lab::Error),
-    /// The reference cannot be read.
+    Filter(lab::Error),
+    /// The recording or the field of the reference cannot be read.
     #[error(transparent)]
-    Reference(#[from] ReferenceError),
+    Recording(#[from] lab::Error),
+    /// The recording does not suit the run.
+    #[error(transparent)]
+    Reference(#[from] crate::Error),
     /// The post script cannot be read or compiled.
     #[error(transparent)]
     Script(#[from] script::ReadError),
@@ -219,7 +222,8 @@ impl Plan {
     /// The filter does not suit the sample rate, the reference cannot be read, or the script does not compile.
     pub fn prepare(model: &Model) -> Result<Plan, PrepareError> {
         if let Some(class) = model.output.filter {
-            ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)?;
+            ChannelFilter::new(class, 1.0 / model.output.sample_rate, Standard::Iso6487)
+                .map_err(PrepareError::Filter)?;
         }
         let comparison = ReferenceComparison::read(model)?;
         let collector = OutputCollector::new(Vec::new());

@@ -10,11 +10,11 @@ use rhai::packages::{
     BasicStringPackage, LogicPackage, MoreStringPackage, Package,
 };
 use rhai::{AST, Dynamic, Engine, EvalAltResult, OptimizationLevel, Scope, Token, TokenizeState};
-use thiserror::Error;
 
 use super::fault::TooLarge;
 use super::module::{self, Finder, LONGEST_SCRIPT, Resolver, SourceText, Unit};
 use super::{Fault, Session, checks, fault, session};
+use crate::Error;
 use base::cancellation::Cancellation;
 use base::file::{self, FileError};
 
@@ -45,22 +45,11 @@ impl Limits {
 const MOST_VALUES: usize = 500_000;
 
 /// Why a script cannot be read or compiled.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Open {
-        /// File of the script.
-        path: PathBuf,
-        /// Why it cannot be read.
-        source: FileError,
-    },
-    /// The script is too long.
-    #[error("{} is longer than {LONGEST_SCRIPT} bytes", path.display())]
-    TooLong {
-        /// File of the script.
-        path: PathBuf,
-    },
+    /// The file cannot be read, or is too long.
+    #[error(transparent)]
+    Refused(#[from] Error),
     /// It does not compile, or calls undefined functions.
     #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
     Faults(Vec<Fault>),
@@ -154,9 +143,10 @@ impl Script {
     /// # Errors
     /// The file cannot be read, is too long, or does not compile.
     pub fn read(engine: &Engine, scope: &Scope, path: &Path) -> Result<Script, ReadError> {
+        let shown = path.display();
         let text = file::read_text(path, LONGEST_SCRIPT).map_err(|error| match error {
-            FileError::TooLarge { .. } => ReadError::TooLong { path: path.into() },
-            source => ReadError::Open { path: path.into(), source },
+            FileError::TooLarge { .. } => Error::new(format!("{shown} is longer than {LONGEST_SCRIPT} bytes")),
+            error => Error::new(format!("cannot read {shown}: {error}")).with_hint_if(error.hint()),
         })?;
         Script::compile(engine, scope, path, &text).map_err(ReadError::Faults)
     }

@@ -261,7 +261,7 @@ impl EvaluationStore {
         let path = self.new_path(Kind::Claim, key)?;
         match is_held(&path)? {
             Some(true) => return Ok(None),
-            Some(false) => remove(&path)?,
+            Some(false) => file::remove(&path)?,
             None => {}
         }
         // Locked before others see it.
@@ -326,7 +326,7 @@ impl EvaluationStore {
                     let count = usize::from(kind == Kind::Record);
                     let is_wanted = is_wanted(&build, age);
                     if is_wanted && age > STILL {
-                        remove(&path)?;
+                        file::remove(&path)?;
                         pruned.removed += count;
                         continue;
                     }
@@ -393,14 +393,6 @@ fn is_held(path: &Path) -> io::Result<Option<bool>> {
     // Of this machine, the lock of a process that was killed is gone. Where files cannot be locked, its age decides.
     let has_ended = boot == scratch::boot().as_bytes() && file.try_lock_shared().is_ok();
     Ok(Some(age < STALE && !has_ended))
-}
-
-/// Removes a file that another process may remove, too.
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }
 
 /// A file of a store.

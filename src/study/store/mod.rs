@@ -9,6 +9,7 @@ pub mod run_files;
 
 use std::collections::HashSet;
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -28,117 +29,54 @@ pub use stored_run::{StoredRun, StoredRunError};
 
 /// Why results cannot be stored; nothing that was there before is lost.
 #[derive(Debug, Error)]
-pub enum StoreError {
-    /// The name is absolute or leaves the output folder.
-    #[error("`{name}` cannot name a run folder: expected plain folder names below the output folder")]
-    Name {
-        /// Name of the run, as it is given.
-        name: String,
-    },
-    /// The path ends without a name, as `.` and `..` do.
-    #[error("`{}` does not name a run folder; give --out a new folder, such as {}", path.display(), path.join("results").display())]
-    NoName {
-        /// Path that is to be the run folder.
-        path: PathBuf,
-    },
-    /// A link has the name of the run folder, or of one that it lies in and that nobody named.
-    #[error("{} is a link, which is not followed; remove it, or give --out the folder that it leads to", path.display())]
-    Link {
-        /// The link.
-        path: PathBuf,
-    },
-    /// A file has the name of the run folder.
-    #[error("{} is not a folder", path.display())]
-    NotAFolder {
-        /// The file.
-        path: PathBuf,
-    },
-    /// An existing path that cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Unreadable {
-        /// The folder.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-    /// A folder that holds no run has the name.
-    #[error("{} is not a run folder of droptower and is not replaced; give another --out", path.display())]
-    NotARun {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The run folder holds a file that droptower did not write.
-    #[error("{} holds `{found}`, which droptower did not write; move it or give another --out", path.display())]
-    Foreign {
-        /// The run folder.
-        path: PathBuf,
-        /// Path of the file in it, separated by `/`.
-        found: String,
-    },
-    /// The folder holds results of another scenario or script.
-    #[error("{} holds {stored} and is not replaced; give another --out, or --force", path.display())]
-    OfAnother {
-        /// The run folder.
-        path: PathBuf,
-        /// The scenario or script that its results were made from.
-        stored: String,
-    },
-    /// While the results were made, others took their folder, which stay; these are beside it.
-    #[error("{reason}; the results are in {}", place.display())]
-    Beside {
-        /// Why the folder is not replaced.
-        reason: Box<StoreError>,
-        /// Folder that holds the results.
-        place: PathBuf,
-    },
-    /// Two runs have the same run folder.
-    #[error("two runs would be stored in {}", path.display())]
-    Twice {
-        /// The run folder.
-        path: PathBuf,
-    },
+#[error("{message}")]
+pub struct StoreError {
+    message: String,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// A folder is not replaced for what it holds.
+    Kept,
     /// A file or folder cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-    /// The former run was moved aside and cannot be moved back.
-    #[error("cannot write {}: {source}; the run that was there is in {}", path.display(), former.display())]
-    Stranded {
-        /// The run folder.
-        path: PathBuf,
-        /// Folder that holds the former run.
-        former: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    Write,
+    Other,
 }
 
 impl StoreError {
+    fn other(message: String) -> StoreError {
+        StoreError { message, kind: Kind::Other }
+    }
+
+    /// What is at `path` is not replaced, because it is or holds something.
+    fn kept(path: &Path, what: impl Display) -> StoreError {
+        StoreError { message: format!("{} {what}", path.display()), kind: Kind::Kept }
+    }
+
     /// The file at `path` could not be written.
-    pub fn write(path: impl Into<PathBuf>, source: io::Error) -> StoreError {
-        StoreError::Write { path: path.into(), source }
+    pub fn write(path: impl AsRef<Path>, source: io::Error) -> StoreError {
+        StoreError { message: format!("cannot write {}: {source}", path.as_ref().display()), kind: Kind::Write }
     }
 
     /// The error of listing `path`.
-    fn list(path: &Path, source: io::Error) -> StoreError {
-        let path = path.to_owned();
+    fn list(path: &Path, source: &io::Error) -> StoreError {
         match source.kind() {
-            io::ErrorKind::NotADirectory => StoreError::NotAFolder { path },
-            _ => StoreError::Unreadable { path, source },
+            io::ErrorKind::NotADirectory => StoreError::kept(path, "is not a folder"),
+            _ => StoreError { message: format!("cannot read {}: {source}", path.display()), kind: Kind::Kept },
         }
     }
 
-    /// Whether a folder is not replaced for what it holds.
-    fn is_refusal(&self) -> bool {
-        use StoreError::{Foreign, Link, NotAFolder, NotARun, OfAnother, Unreadable};
-        matches!(
-            self,
-            Link { .. } | NotAFolder { .. } | Unreadable { .. } | NotARun { .. } | Foreign { .. } | OfAnother { .. }
-        )
+    /// The path ends without a name, as `.` and `..` do.
+    fn no_name(path: &Path) -> StoreError {
+        let (path, example) = (path.display(), path.join("results"));
+        let example = example.display();
+        StoreError::other(format!("`{path}` does not name a run folder; give --out a new folder, such as {example}"))
+    }
+
+    /// A link has the name of the run folder, or of one that it lies in and that nobody named.
+    fn link(path: &Path) -> StoreError {
+        StoreError::kept(path, "is a link, which is not followed; remove it, or give --out the folder that it leads to")
     }
 }
 
@@ -159,7 +97,7 @@ pub fn default_place(name: &str) -> Result<PathBuf, StoreError> {
 }
 
 fn refuse_link(path: &Path) -> Result<(), StoreError> {
-    file::refuse_link(path).map_err(|_| StoreError::Link { path: path.into() })
+    file::refuse_link(path).map_err(|_| StoreError::link(path))
 }
 
 /// Path below `root` of the run called `name` (`/` between its parts).
@@ -170,7 +108,8 @@ pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
     let parts = Path::new(name);
     let plain = |part: Component| matches!(part, Component::Normal(_));
     if name.is_empty() || name.contains('\\') || !parts.components().all(plain) {
-        return Err(StoreError::Name { name: name.into() });
+        let expected = "expected plain folder names below the output folder";
+        return Err(StoreError::other(format!("`{name}` cannot name a run folder: {expected}")));
     }
     let place = root.join(parts);
     place.ancestors().skip(1).take_while(|folder| *folder != root).try_for_each(refuse_link)?;
@@ -183,7 +122,7 @@ pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
     for path in places {
         check_replaceable(path)?;
         if !seen.insert(path) {
-            return Err(StoreError::Twice { path: path.clone() });
+            return Err(StoreError::other(format!("two runs would be stored in {}", path.display())));
         }
     }
     Ok(())
@@ -207,7 +146,7 @@ impl Draft {
     /// An empty draft beside `target` of results made from `origin`; by `force` it replaces those of any other.
     pub fn begin(target: &Path, origin: Origin, force: bool) -> Result<Draft, StoreError> {
         if target.file_name().is_none() {
-            return Err(StoreError::NoName { path: target.into() });
+            return Err(StoreError::no_name(target));
         }
         Ok(Draft { folder: sibling(target)?, target: target.into(), origin, force })
     }
@@ -228,8 +167,8 @@ impl Draft {
     /// Renames the draft to its target and removes what it replaces.
     ///
     /// # Errors
-    /// [`StoreError::Beside`] where the target meanwhile holds files of the user or results of another scenario or
-    /// script: the results are stored under the next free name, `<target>-2` and so on.
+    /// The target meanwhile holds files of the user or results of another scenario or script: the results are stored under the
+    /// next free name, `<target>-2` and so on.
     pub fn publish(mut self) -> Result<PathBuf, StoreError> {
         let target = self.target.clone();
         match self.publish_at(&target, self.force, fs::rename) {
@@ -237,10 +176,10 @@ impl Draft {
                 self.discard_failed();
                 Ok(target)
             }
-            Err(reason) if reason.is_refusal() => {
+            Err(reason) if reason.kind == Kind::Kept => {
                 let names = (2..).map(|number| sibling_name(&target, &format!("-{number}")));
                 let place = self.publish_first(names)?;
-                Err(StoreError::Beside { reason: Box::new(reason), place })
+                Err(StoreError::other(format!("{reason}; the results are in {}", place.display())))
             }
             Err(error) => Err(error),
         }
@@ -259,11 +198,11 @@ impl Draft {
     fn publish_first(&mut self, places: impl Iterator<Item = PathBuf>) -> Result<PathBuf, StoreError> {
         for place in places {
             match self.publish_at(&place, false, fs::rename) {
-                Err(error) if error.is_refusal() => {}
+                Err(error) if error.kind == Kind::Kept => {}
                 published => return published.map(|()| place),
             }
         }
-        Err(StoreError::NoName { path: self.target.clone() })
+        Err(StoreError::no_name(&self.target))
     }
 
     /// Checks that the draft may replace what is in `folder` and was moved there from `place`.
@@ -303,14 +242,16 @@ impl Draft {
                 return Ok(());
             };
             // Another process may have stored its results there since; both are checked by the next turn.
-            let taken = matches!(error, StoreError::Write { .. }) && target.exists();
+            let taken = error.kind == Kind::Write && target.exists();
             if taken {
                 continue;
             }
             if replaced && let Err(source) = rename(former_run.clone(), target.into()) {
                 // Dropping the temporary folder would delete the former run.
                 let inner = former_run.strip_prefix(former.path()).map(Path::to_owned).unwrap_or_default();
-                return Err(StoreError::Stranded { path: target.into(), former: former.keep().join(inner), source });
+                let former = former.keep().join(inner);
+                let reason = StoreError::write(target, source);
+                return Err(StoreError::other(format!("{reason}; the run that was there is in {}", former.display())));
             }
             return Err(error);
         }
@@ -352,25 +293,28 @@ fn check_replaceable(target: &Path) -> Result<(), StoreError> {
 
 /// Checks that what is in `folder`, and was moved there from `target`, is nothing or a run folder of droptower.
 fn check_moved(folder: &Path, target: &Path) -> Result<(), StoreError> {
-    let path = || target.to_path_buf();
     // A folder is renamed by its name, which `.`, `..` and `/` do not have.
     if target.file_name().is_none() {
-        return Err(StoreError::NoName { path: path() });
+        return Err(StoreError::no_name(target));
     }
     match fs::symlink_metadata(folder) {
         Err(_) => return Ok(()),
-        Ok(found) if found.is_symlink() => return Err(StoreError::Link { path: path() }),
+        Ok(found) if found.is_symlink() => return Err(StoreError::link(target)),
         Ok(_) => {}
     }
-    let entries = fs::read_dir(folder).map_err(|source| StoreError::list(target, source))?;
+    let entries = fs::read_dir(folder).map_err(|source| StoreError::list(target, &source))?;
     let names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     if !names.is_empty() && !names.iter().any(|name| run_files::MARKERS.contains(&name.as_str())) {
-        return Err(StoreError::NotARun { path: path() });
+        let why = "is not a run folder of droptower and is not replaced; give another --out";
+        return Err(StoreError::kept(target, why));
     }
     let listed = listed(folder);
     let is_ours = |name: &String| run_files::is_written_by_run(name) || listed.contains(name);
     match files(folder).into_iter().find(|name| !is_ours(name)) {
-        Some(found) => Err(StoreError::Foreign { path: path(), found }),
+        Some(found) => {
+            let why = format!("holds `{found}`, which droptower did not write; move it or give another --out");
+            Err(StoreError::kept(target, why))
+        }
         None => Ok(()),
     }
 }
@@ -451,7 +395,7 @@ mod tests {
             (io::ErrorKind::PermissionDenied, "cannot read runs/a: permission denied"),
             (io::ErrorKind::NotADirectory, "runs/a is not a folder"),
         ] {
-            assert_eq!(StoreError::list(Path::new("runs/a"), kind.into()).to_string(), expected);
+            assert_eq!(StoreError::list(Path::new("runs/a"), &kind.into()).to_string(), expected);
         }
     }
 
@@ -520,14 +464,9 @@ mod tests {
         let [first, second, again] = ["a.toml", "b.toml", "a.toml"].map(|scenario| run_of(scenario, &target));
         let text = |place: &Path| fs::read_to_string(place.join("scenario.toml")).unwrap();
         assert_eq!(first.publish().unwrap(), target);
-        match second.publish() {
-            Err(StoreError::Beside { place, reason }) => {
-                assert_eq!(place, root.path().join("out-2"));
-                assert!(matches!(*reason, StoreError::OfAnother { .. }), "{reason}");
-                assert_eq!(text(&place), "# scenario: ../b.toml\n");
-            }
-            other => panic!("{other:?}"),
-        }
+        let (told, place) = (second.publish().unwrap_err().to_string(), root.path().join("out-2"));
+        assert!(told.contains("holds the run of") && told.ends_with(&format!("in {}", place.display())), "{told}");
+        assert_eq!(text(&place), "# scenario: ../b.toml\n");
         assert_eq!(text(&target), "# scenario: ../a.toml\n");
         again.publish().unwrap();
         let forced = Draft { force: true, ..run_of("b.toml", &target) };
@@ -550,7 +489,8 @@ mod tests {
             }
             fs::rename(from, to)
         });
-        assert!(matches!(refused, Err(StoreError::OfAnother { .. })), "{refused:?}");
+        let refused = refused.unwrap_err();
+        assert!(refused.kind == Kind::Kept && refused.to_string().contains("holds the run of"), "{refused}");
         assert_eq!(text(&target), "# scenario: ../b.toml\n");
         drop(draft);
         assert_eq!(names(root.path()), ["out"]);
@@ -569,11 +509,10 @@ mod tests {
                 done.set(done.get() + 1);
                 if done.get() > renames_that_work { Err(io::Error::other("no")) } else { fs::rename(from, to) }
             });
-            let place = match error {
-                Err(StoreError::Stranded { former, .. }) => former,
-                Err(StoreError::Write { path, .. }) if stays => path,
-                other => panic!("{other:?}"),
-            };
+            let told = error.unwrap_err().to_string();
+            let former = told.split_once("; the run that was there is in ").map(|(_, former)| PathBuf::from(former));
+            assert_eq!(former.is_none(), stays, "{told}");
+            let place = former.unwrap_or(target);
             assert_eq!(fs::read_to_string(place.join("summary.json")).unwrap(), "1");
         }
     }
@@ -585,18 +524,17 @@ mod tests {
         fs::create_dir(&theirs).unwrap();
         stored(&theirs, "an empty folder may be taken").unwrap();
         fs::write(theirs.join("notes.txt"), "mine").unwrap();
-        let refusal = |target: &Path| match stored(target, "1") {
-            Err(StoreError::Beside { reason, place }) => {
-                assert_eq!(fs::read_to_string(place.join("summary.json")).unwrap(), "1");
-                *reason
-            }
-            other => panic!("{other:?}"),
+        let refusal = |target: &Path| {
+            let told = stored(target, "1").unwrap_err().to_string();
+            let (reason, place) = told.split_once("; the results are in ").unwrap();
+            assert_eq!(fs::read_to_string(Path::new(place).join("summary.json")).unwrap(), "1");
+            reason.to_owned()
         };
-        assert!(matches!(refusal(&theirs), StoreError::Foreign { found, .. } if found == "notes.txt"));
+        assert!(refusal(&theirs).contains("holds `notes.txt`, which droptower did not write"));
         fs::remove_file(theirs.join("summary.json")).unwrap();
-        assert!(matches!(refusal(&theirs), StoreError::NotARun { .. }));
+        assert!(refusal(&theirs).contains("is not a run folder of droptower"));
         let file = theirs.join("notes.txt");
-        assert!(matches!(refusal(&file), StoreError::NotAFolder { .. }));
+        assert!(refusal(&file).ends_with("notes.txt is not a folder"));
         assert_eq!(fs::read_to_string(file).unwrap(), "mine");
     }
 
@@ -615,8 +553,8 @@ mod tests {
         }
         for theirs in ["notes.md", "coupons/mine.csv", "tables/mine.csv"] {
             fs::write(target.join(theirs), "mine").unwrap();
-            let refused = check_places(std::slice::from_ref(&target));
-            assert!(matches!(refused, Err(StoreError::Foreign { found, .. }) if found == theirs), "{theirs}");
+            let refused = check_places(std::slice::from_ref(&target)).unwrap_err().to_string();
+            assert!(refused.contains(&format!("holds `{theirs}`")), "{refused}");
             fs::remove_file(target.join(theirs)).unwrap();
         }
     }
@@ -624,8 +562,8 @@ mod tests {
     #[test]
     fn a_target_has_a_name() {
         for nameless in [".", "..", "/", "runs/.."] {
-            let refused = check_places(&[nameless.into()]);
-            assert!(matches!(refused, Err(StoreError::NoName { .. })), "{nameless}: {refused:?}");
+            let refused = check_places(&[nameless.into()]).unwrap_err().to_string();
+            assert!(refused.contains("does not name a run folder"), "{nameless}: {refused}");
         }
     }
 
@@ -634,13 +572,13 @@ mod tests {
         let root = Path::new("runs");
         assert_eq!(place(root, "drop/1008").unwrap(), Path::new("runs/drop/1008"));
         for name in ["", "..", "../x", "a/../../x", "/etc", "a\\..\\b"] {
-            assert!(matches!(place(root, name), Err(StoreError::Name { .. })), "{name}");
+            assert!(place(root, name).unwrap_err().to_string().contains("cannot name a run folder"), "{name}");
         }
     }
 
     #[test]
     fn two_runs_do_not_share_a_target() {
         let places = [PathBuf::from("no/such"), PathBuf::from("no/such")];
-        assert!(matches!(check_places(&places), Err(StoreError::Twice { .. })));
+        assert_eq!(check_places(&places).unwrap_err().to_string(), "two runs would be stored in no/such");
     }
 }

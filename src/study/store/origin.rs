@@ -73,17 +73,14 @@ impl fmt::Display for Origin {
 impl Origin {
     /// Of a run of the scenario at `path`; that of a run folder is the scenario which was run first.
     pub fn of_run(path: &Path) -> Origin {
-        let folder = folder_of(path);
-        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder);
-        let first = is_stored.then(|| line_after(path, SCENARIO_LINE)).flatten();
-        Origin::Run { scenario: first.map_or_else(|| full(path), |first| full(&full(folder).join(first))) }
+        let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO) && is_run(folder_of(path));
+        Origin::Run { scenario: first_of(path, is_stored, SCENARIO_LINE) }
     }
 
     /// Of a sweep of the scenario at `path`; that of the folder of a sweep is the scenario which was swept first.
     pub fn of_sweep(path: &Path) -> Origin {
         let is_stored = path.file_name().is_some_and(|name| name == run_files::SCENARIO);
-        let first = is_stored.then(|| line_after(path, SWEEP_LINE)).flatten();
-        Origin::Sweep { scenario: first.map_or_else(|| full(path), |first| full(&full(folder_of(path)).join(first))) }
+        Origin::Sweep { scenario: first_of(path, is_stored, SWEEP_LINE) }
     }
 
     /// Of a script at `script` that was given the scenario at `scenario`.
@@ -116,11 +113,9 @@ impl Origin {
         let place = full(place);
         let scenario = folder.join(run_files::SCENARIO);
         if scenario.is_file() {
-            let named = |scenario: String| full(&place.join(scenario));
-            let run = line_after(&scenario, SCENARIO_LINE).map(|scenario| Origin::Run { scenario: named(scenario) });
-            let sweep =
-                || line_after(&scenario, SWEEP_LINE).map(|scenario| Origin::Sweep { scenario: named(scenario) });
-            return run.or_else(sweep);
+            let named = |line| Some(full(&place.join(line_after(&scenario, line)?)));
+            let run = named(SCENARIO_LINE).map(|scenario| Origin::Run { scenario });
+            return run.or_else(|| Some(Origin::Sweep { scenario: named(SWEEP_LINE)? }));
         }
         let text = file::read(&folder.join(run_files::SUMMARY), run_files::MOST_BYTES).ok()?;
         let summary: Value = serde_json::from_slice(&text).ok()?;
@@ -159,11 +154,18 @@ impl Origin {
     pub(super) fn check_moved(&self, folder: &Path, place: &Path) -> Result<(), StoreError> {
         match Origin::stored(folder, place) {
             Some(stored) if !self.is_that_of(&stored) => {
-                Err(StoreError::OfAnother { path: place.into(), stored: stored.to_string() })
+                let why = format!("holds {stored} and is not replaced; give another --out, or --force");
+                Err(StoreError::kept(place, why))
             }
             _ => Ok(()),
         }
     }
+}
+
+/// The scenario that a stored one names in the line which begins so; else the one at `path` itself.
+fn first_of(path: &Path, is_stored: bool, start: &str) -> PathBuf {
+    let first = is_stored.then(|| line_after(path, start)).flatten();
+    first.map_or_else(|| full(path), |first| full(&full(folder_of(path)).join(first)))
 }
 
 /// The first of the paths, and the number of the others.

@@ -94,7 +94,7 @@ impl ProgressFolder {
     /// # Errors
     /// It cannot be removed.
     pub fn forget_stop(&self) -> io::Result<()> {
-        [STOPPED, STOPPED_TABLE].iter().try_for_each(|name| remove(&self.folder.join(name)))
+        [STOPPED, STOPPED_TABLE].iter().try_for_each(|name| file::remove(&self.folder.join(name)))
     }
 
     /// Replaces the page by one that leads to the results, which are stored now, where there is a page; pages of parts
@@ -106,7 +106,7 @@ impl ProgressFolder {
         self.forget_stop()?;
         let Some(names) = self.names()? else { return Ok(()) };
         for name in names.iter().filter(|name| is_part(name)) {
-            remove(&self.folder.join(name))?;
+            file::remove(&self.folder.join(name))?;
         }
         let name = self.results.file_name().unwrap_or_default();
         self.write_page(&leads(&format!("../../{}/{}", address(name), super::run_files::REPORT)))
@@ -117,7 +117,7 @@ impl ProgressFolder {
     /// # Errors
     /// The page cannot be removed.
     pub fn discard(&self) -> io::Result<()> {
-        remove(&self.page)?;
+        file::remove(&self.page)?;
         // What else is in them stays.
         let _ = fs::remove_dir(&self.folder);
         for above in [folder_of(&self.folder)].into_iter().chain(self.made.as_deref()) {
@@ -143,13 +143,6 @@ fn is_part(name: &str) -> bool {
     let part = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last));
     let share = part.and_then(|part| part.split_once("-of-"));
     share.is_some_and(|(number, of)| number.parse::<usize>().is_ok() && of.parse::<usize>().is_ok())
-}
-
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }
 
 /// A name as a part of a relative address.
