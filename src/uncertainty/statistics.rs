@@ -13,6 +13,11 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Its lower and its upper end.
+    pub fn ends(self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
     /// Whether `value` lies in it, ends included.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)

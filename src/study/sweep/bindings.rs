@@ -21,6 +21,7 @@ use uncertainty::distribution::Family as Distributed;
 use uncertainty::random::Stream;
 use uncertainty::reliability::{Probability, SamplingOptions, SubsetOptions, monte_carlo, subset_simulation};
 use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
+use uncertainty::statistics::Interval;
 use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
 use uncertainty::{Kind, normal};
 
@@ -79,15 +80,16 @@ impl Host<'_> {
 
 /// The scenario of a study with what the options vary in place of what it varies itself.
 fn varied(study: &Study, options: &Options<'_>) -> HostResult<Document> {
-    let mut changes = vec![];
-    if let Some(keys) = options.map.get("vary") {
-        changes.push(Assignment::unset("variation", "vary"));
-        changes.push(assignment("variation", &to_json(keys)?)?);
-        if study.document().find("variation").is_none() {
-            changes.remove(0);
-        }
-    }
+    let Some(keys) = options.map.get("vary") else { return Ok(study.document().clone()) };
+    let unset = study.document().find("variation").map(|_| Assignment::unset("variation", "vary"));
+    let changes: Vec<Assignment> = unset.into_iter().chain([assignment("variation", &to_json(keys)?)?]).collect();
     Ok(study.document().with(&changes))
+}
+
+/// What varies in a scenario.
+fn factors(document: &Document) -> HostResult<Vec<Factor>> {
+    let variation = model::variation(document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
+    Ok(variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors)
 }
 
 fn assignment(path: &str, value: &Value) -> HostResult<Assignment> {
@@ -147,8 +149,7 @@ fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
     let asked = asked.map_err(|found| refuse!("expected a list of names as figures, found {found}"))?;
     let document = varied(study, options)?;
-    let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
-    let factors = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors;
+    let factors = factors(&document)?;
     let axes = vec![Levels::Continuous; factors.len()];
     let points = design::points(Method::Sobol, &axes, samples, seed).map_err(refuse)?;
     let sweep = Sweep::prepare_at(&document, &points).map_err(refused)?;
@@ -215,21 +216,19 @@ fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) ->
     options.check(&["vary", "figure", "above", "below", "method", "samples", "seed"])?;
     let limit = Limit::read(options)?;
     let document = varied(study, options)?;
-    let variation = model::variation(&document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
-    let inputs = variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors.len();
+    let inputs = factors(&document)?.len();
     let seed = whole(options, "seed", 1)? as u64;
     let samples = whole(options, "samples", 500)?;
     let mut failed: Option<Box<EvalAltResult>> = None;
     let mut limit_state = |points: &[Vec<f64>]| {
-        let outputs = if failed.is_some() { None } else { Some(outputs(&document, points, &limit, host)) };
-        match outputs {
-            Some(Ok(outputs)) => outputs,
-            Some(Err(error)) => {
-                failed = Some(error);
-                vec![None; points.len()]
-            }
-            None => vec![None; points.len()],
+        let none = vec![None; points.len()];
+        if failed.is_some() {
+            return none;
         }
+        outputs(&document, points, &limit, host).unwrap_or_else(|error| {
+            failed = Some(error);
+            none
+        })
     };
     let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
     let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
@@ -271,7 +270,7 @@ fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) ->
 fn figures(found: &Probability) -> Value {
     let Probability { value, variation, interval, evaluations, missing } = found;
     json!({
-        "probability": value, "variation": variation, "interval": [interval.low, interval.high], "runs": evaluations,
+        "probability": value, "variation": variation, "interval": interval.ends(), "runs": evaluations,
         "missing": missing,
     })
 }
@@ -325,7 +324,7 @@ fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let found = json!({
         "level": reduction.mean,
         "deviation": reduction.deviation,
-        "interval": reduction.interval.map(|interval| [interval.low, interval.high]),
+        "interval": reduction.interval.map(Interval::ends),
         "levels": stairs.levels(&outcomes),
         "failed": failed,
         "probit": fit.as_ref().map(fitted),
@@ -356,9 +355,9 @@ fn specimen(document: &Document, key: &str, level: f64, step: f64) -> HostResult
 fn fitted(fit: &ProbitFit) -> Value {
     json!({
         "level": fit.mean.value,
-        "interval": fit.mean.interval.map(|interval| [interval.low, interval.high]),
+        "interval": fit.mean.interval.map(Interval::ends),
         "deviation": fit.deviation.value,
-        "deviation_interval": fit.deviation.interval.map(|interval| [interval.low, interval.high]),
+        "deviation_interval": fit.deviation.interval.map(Interval::ends),
     })
 }
 

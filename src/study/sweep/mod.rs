@@ -185,9 +185,6 @@ fn refusal(mistakes: &[Diagnostic], factors: &[Factor]) -> String {
         let is_there = |factor: &&Factor| mistake.span.as_ref().is_some_and(|span| span.is(&factor.span));
         factors.iter().find(is_there).map_or_else(String::new, |factor| format!("`{}`: ", factor.path))
     };
-    let line = |mistake: &Diagnostic| {
-        let hint = mistake.hint.as_ref().map_or_else(String::new, |hint| format!(" ({hint})"));
-        format!("{}{}{hint}", key(mistake), mistake.message)
-    };
+    let line = |mistake: &Diagnostic| format!("{}{}", key(mistake), mistake.in_line());
     mistakes.iter().map(line).collect::<Vec<_>>().join("; ")
 }

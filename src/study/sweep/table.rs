@@ -226,7 +226,7 @@ impl SweepResults {
             missing: sweep.len() - done.len(),
             engine_s: done.engine_s,
             statistics: statistics.collect(),
-            rupture: rupture.map(|(share, interval)| (share, [interval.low, interval.high])),
+            rupture: rupture.map(|(share, interval)| (share, interval.ends())),
             effects,
             findings: warnings(&sweep.base, &sweep.variation).iter().map(Finding::new).collect(),
             table,
@@ -375,7 +375,7 @@ pub(super) fn effects(table: &Table, figure: &Column, independent: bool) -> Opti
     let effect = |(input, share): (&Column, Estimate)| Effect {
         input: input.name.clone(),
         share: share.value,
-        interval: share.interval.map(|interval| [interval.low, interval.high]),
+        interval: share.interval.map(Interval::ends),
     };
     let effects = table.inputs().iter().zip(found.shares).map(effect).collect();
     let together = found.sum.map(|sum| [1.0 - sum.high, 1.0 - sum.low]).filter(|[low, _]| *low > 1e-9);
