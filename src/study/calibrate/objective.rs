@@ -112,10 +112,6 @@ impl<'a> CalibrationObjective<'a> {
 }
 
 impl Objective for CalibrationObjective<'_> {
-    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
-        self.trial(x, cancellation).evaluation
-    }
-
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         // Once the study is told to stop, no trial begins; what runs ends.
         if self.session.is_stopped() {

@@ -13,13 +13,9 @@ use base::cancellation::Cancellation;
 ///
 /// It is evaluated from several threads at once, in any order, also at points whose values the search may not use. A closure `Fn(&[f64]) -> T` is one where `T` is `f64`, `Vec<f64>` (residuals) or a `Result` of these.
 pub trait Objective: Sync {
-    /// The outcome at `x`, a function of `x` alone. The outcome of a cancelled evaluation is discarded.
-    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation;
-
-    /// The outcome at `x` with the curves that were compared with references.
-    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
-        self.evaluate(x, cancellation).into()
-    }
+    /// The outcome at `x`, a function of `x` alone, with the curves that were compared with references. That of a cancelled evaluation is
+    /// discarded.
+    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial;
 }
 
 impl<F, T> Objective for F
@@ -27,8 +23,8 @@ where
     F: Fn(&[f64]) -> T + Sync,
     T: Into<Evaluation>,
 {
-    fn evaluate(&self, x: &[f64], _: &Cancellation) -> Evaluation {
-        self(x).into()
+    fn trial(&self, x: &[f64], _: &Cancellation) -> Trial {
+        self(x).into().into()
     }
 }
 
@@ -200,7 +196,7 @@ mod tests {
     use super::*;
 
     fn at(objective: &dyn Objective, x: f64) -> Evaluation {
-        objective.evaluate(&[x], &Cancellation::default())
+        objective.trial(&[x], &Cancellation::default()).evaluation
     }
 
     #[test]

@@ -122,10 +122,6 @@ impl<'c> ScriptObjective<'c> {
 }
 
 impl Objective for ScriptObjective<'_> {
-    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
-        self.trial(x, cancellation).evaluation
-    }
-
     fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         if let Err(stopped) = check_stop(&self.session) {
             return fatal(stopped).into();
