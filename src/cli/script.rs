@@ -314,10 +314,7 @@ pub(crate) fn engine(
     scenario_functions::register(&mut engine, &scenarios);
     identify::register(&mut engine, host);
     sweep::register(&mut engine, evaluations);
-    calibrate::register(&mut engine, &scenarios, host, collector);
-    if let Some(study) = study {
-        calibrate::register_study(&mut engine, study, &scenarios, host, collector);
-    }
+    calibrate::register(&mut engine, &scenarios, host, collector, study);
     Arguments::register(&mut engine);
     engine
 }

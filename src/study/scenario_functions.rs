@@ -13,8 +13,8 @@ use crate::functions::Reduced;
 use crate::post::run::{self, ReferenceSignals};
 use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
 use crate::script::{
-    HostResult, Options, RunFindings, Session, ShippedModule, check_stop, from_json, number, numerical_failure, refuse,
-    refuse_key, to_json,
+    HostResult, Options, RunFindings, Session, ShippedModule, check_stop, from_json, list, number, numbers,
+    numerical_failure, refuse, refuse_key, to_json,
 };
 use crate::store::evaluations::Share;
 use base::budget::Claim;
@@ -85,6 +85,14 @@ impl Scenarios {
         let path = given.clone().into_string();
         let path = path.map_err(|found| refuse!("expected a scenario or the path of one, found {found}"))?;
         self.read(Path::new(&path), session)
+    }
+
+    /// The option `scenario` with the changes of the option `set`, which messages name as `set`.
+    pub(crate) fn changed(&self, options: &Options<'_>, set: &str, session: &Session) -> HostResult<Study> {
+        let study = self.named(options.value("scenario")?, session)?;
+        let Some(changes) = options.map.get("set") else { return Ok(study) };
+        let changes = changes.clone().try_cast::<Map>();
+        study.with(changes.ok_or_else(|| refuse!("{set} is a map of keys and values"))?, session)
     }
 }
 
@@ -260,7 +268,7 @@ impl Study {
     }
 
     fn window(&mut self) -> HostResult<Array> {
-        Ok(self.comparison()?.window.map(Dynamic::from).into())
+        Ok(list(&self.comparison()?.window))
     }
 
     /// The material of the specimen as a material file.
@@ -331,7 +339,7 @@ impl Study {
                 simulate::pull_along(model, &path, across)
             }
         };
-        Ok(found.map_err(|error| self.failed(error))?.into_iter().map(Dynamic::from).collect())
+        Ok(list(&found.map_err(|error| self.failed(error))?))
     }
 
     fn failed(&self, error: PullError) -> Box<EvalAltResult> {
@@ -432,10 +440,6 @@ fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sy
     }
 }
 
-fn strains(list: &[Dynamic]) -> HostResult<Vec<f64>> {
-    list.iter().map(|strain| number(strain, "a strain")).collect()
-}
-
 /// The change of a key; `()` leaves it out.
 fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
     if value.is_unit() {
@@ -461,15 +465,10 @@ fn mistakes(mistakes: Vec<Diagnostic>) -> Box<EvalAltResult> {
     {
         return refuse_key(&key, &mistake.message, mistake.hint.clone());
     }
-    let line = |mistake: &Diagnostic| {
-        let hint = mistake.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
-        match &mistake.span {
-            Some(_) if key(mistake).is_some() => {
-                format!("`{}`: {}{hint}", key(mistake).unwrap_or_default(), mistake.message)
-            }
-            Some(span) => format!("{span:?}: {}{hint}", mistake.message),
-            None => format!("{}{hint}", mistake.message),
-        }
+    let line = |mistake: &Diagnostic| match (key(mistake), &mistake.span) {
+        (Some(key), _) => format!("`{key}`: {}", mistake.in_line()),
+        (None, Some(span)) => format!("{span:?}: {}", mistake.in_line()),
+        (None, None) => mistake.in_line(),
     };
     refuse(mistakes.iter().map(line).collect::<Vec<_>>().join("; "))
 }
@@ -493,15 +492,19 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
             study.simulate(&Session::from_context(&context))
         })
         .register_fn("simulate_all", simulate_all)
-        .register_fn("pull", |study: &mut Study, strains: Array| study.pull(self::strains(&strains)?, &Map::new()))
-        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| study.pull(self::strains(&strains)?, &more))
+        .register_fn("pull", |study: &mut Study, strains: Array| {
+            study.pull(numbers(&strains, "a strain")?, &Map::new())
+        })
+        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| {
+            study.pull(numbers(&strains, "a strain")?, &more)
+        })
         .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
         .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
         .register_fn("stresses", |study: &mut Study, strains: Array| {
-            study.stresses(&self::strains(&strains)?, &Map::new())
+            study.stresses(&numbers(&strains, "a strain")?, &Map::new())
         })
         .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
-            study.stresses(&self::strains(&strains)?, &more)
+            study.stresses(&numbers(&strains, "a strain")?, &more)
         })
         .register_get("reference", Study::reference)
         .register_get("window", Study::window)

@@ -23,7 +23,7 @@ fn engine_with(host: SearchHost) -> (Engine, OutputCollector) {
     functions::register_reading(&mut engine);
     scenario_functions::register(&mut engine, &Scenarios::default());
     identify::register(&mut engine, &host);
-    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector);
+    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector, None);
     (engine, collector)
 }
 

@@ -253,7 +253,7 @@ fn engine(folder: &Path) -> (Engine, OutputCollector) {
     scenario_functions::register(&mut engine, &Scenarios::default());
     identify::register(&mut engine, &host);
     sweep::register(&mut engine, &evaluations);
-    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector);
+    calibrate::register(&mut engine, &Scenarios::default(), &host, &collector, None);
     Arguments::register(&mut engine);
     (engine, collector)
 }

@@ -6,16 +6,15 @@ use std::collections::BTreeMap;
 use rhai::{Array, Dynamic, Map};
 use serde_json::{Value, json};
 
-use super::fit::Fit;
+use super::bindings::Calibrated;
 use super::left_out::{self, LeftOut};
 use super::plan::Plan;
 use super::pulled;
 use super::rows::object;
 use super::test::Test;
 use super::warning::Warning;
-use crate::identify::SearchHost;
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Options, Row, Session, number, refuse};
+use crate::script::{HostResult, Options, Row, numbers, refuse};
 use base::number::significant;
 use lab::experiment::coupon::{Curve, Direction, WINDOW};
 use lab::signal::Series;
@@ -66,9 +65,8 @@ impl Asked {
         options.check(&OPTIONS)?;
         let list = |name: &str| -> HostResult<Option<Vec<f64>>> {
             let Some(given) = options.map.get(name) else { return Ok(None) };
-            let list = given.read_lock::<Array>().map(|list| list.clone());
-            let list = list.ok_or_else(|| refuse!("`{name}` must be an array of strains"))?;
-            list.iter().map(|item| number(item, "a strain")).collect::<HostResult<Vec<f64>>>().map(Some)
+            let list = given.clone().try_cast::<Array>();
+            numbers(&list.ok_or_else(|| refuse!("`{name}` must be an array of strains"))?, "a strain").map(Some)
         };
         let ends = plan.tests.iter().filter(|test| test.pull.is_some()).flat_map(Test::recordings).map(end_of);
         let shortest = ends.fold(f64::INFINITY, f64::min);
@@ -91,13 +89,8 @@ impl Asked {
 
 impl Angles {
     /// Compares the coupons of a calibration.
-    pub(super) fn compared(
-        asked: &Asked,
-        plan: &Plan,
-        fit: &Fit,
-        host: &SearchHost,
-        session: &Session,
-    ) -> HostResult<Angles> {
+    pub(super) fn compared(asked: &Asked, done: &Calibrated<'_>) -> HostResult<Angles> {
+        let Calibrated { plan, fit, .. } = *done;
         let coupons = coupons(plan);
         if coupons.len() < 2 {
             return Err(refuse(
@@ -114,11 +107,11 @@ impl Angles {
         if has_axes && !between.is_empty() {
             groups.push(between.clone());
         }
-        let mut found = left_out::searched(&groups, plan, fit, host, session)?;
+        let mut found = left_out::searched(&groups, done)?;
         let of_axes = (found.len() > coupons.len()).then(|| found.pop()).flatten();
-        let mut laws = vec![Law::new("law", asked, &coupons, plan, &fit.values, session)?];
+        let mut laws = vec![Law::new("law", asked, &coupons, &fit.values, done)?];
         if let Some(left) = &of_axes {
-            laws.push(Law::new("law of 0, 45, 90°", asked, &coupons, plan, &left.values, session)?);
+            laws.push(Law::new("law of 0, 45, 90°", asked, &coupons, &left.values, done)?);
         }
         let rows: Vec<Row> = coupons
             .iter()
@@ -127,7 +120,7 @@ impl Angles {
             .collect();
         let mut warnings: Vec<Warning> = found.iter().chain(&of_axes).flat_map(|left| left.doubts(plan)).collect();
         if let Some(left) = &of_axes {
-            let of_axis = |index: usize| left_out::simulated(plan, fit, index, &left.values, session);
+            let of_axis = |index: usize| left_out::simulated(done, index, &left.values);
             let axes = coupons.iter().map(|own| own.index).filter(|index| !left.tests.contains(index));
             let axes = axes.map(|index| Ok((index, of_axis(index)?))).collect::<HostResult<BTreeMap<_, _>>>()?;
             warnings.extend(doubt(asked, &coupons, left, &axes));
@@ -145,15 +138,10 @@ fn coupons(plan: &Plan) -> Vec<Coupon<'_>> {
         let section = section_between_jaws(test.study.model())?;
         Some((index, Direction::at(stretch.angle), across, section))
     };
-    let mut coupons: Vec<Coupon<'_>> = plan
-        .tests
-        .iter()
-        .enumerate()
-        .filter_map(|(index, test)| {
-            let (index, direction, across, section) = coupon((index, test))?;
-            Some(Coupon { index, test, direction, across, section })
-        })
-        .collect();
+    let found = plan.tests.iter().enumerate().filter_map(coupon);
+    let of_test =
+        |(index, direction, across, section)| Coupon { index, test: &plan.tests[index], direction, across, section };
+    let mut coupons: Vec<Coupon<'_>> = found.map(of_test).collect();
     coupons.sort_by(|a, b| a.direction.angle().total_cmp(&b.direction.angle()));
     coupons
 }
@@ -252,50 +240,30 @@ fn doubt(
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (_, bias, _)| (least.min(*bias), most.max(*bias)));
     let needs = if mirrored.is_some_and(|difference| difference > asked.tolerance) {
-        Needs::SkewFibres
+        SKEW_FIBRES
     } else if of_modulus.abs() > asked.tolerance {
-        Needs::OtherModulus
+        OTHER_MODULUS
     } else if most > 0.0 {
-        Needs::Interaction
+        INTERACTION
     } else {
-        Needs::Unknown
+        UNKNOWN
     };
     let error = off.iter().map(|(_, _, error)| *error).fold(0.0, f64::max);
     let angles = off.iter().map(|(coupon, ..)| significant(coupon.direction.degrees(), 4)).collect();
-    Some(Warning::AnglesDoNotFollow { angles, least, most, error, of_modulus, needs: needs.to_string() })
+    Some(Warning::AnglesDoNotFollow { angles, least, most, error, of_modulus, needs: needs.into() })
 }
 
-/// What a law that follows the angles between needs.
-enum Needs {
-    /// Angles θ and −θ differ.
-    SkewFibres,
-    /// They differ from the first strain on.
-    OtherModulus,
-    /// They follow at first, and the film yields earlier than the law.
-    Interaction,
-    /// None of these.
-    Unknown,
-}
-
-impl std::fmt::Display for Needs {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Needs::SkewFibres => {
-                "the same angle on both sides of MD differs, so that the law needs fibres that are not at right angles, or MD \
-                 lies elsewhere than was assumed"
-            }
-            Needs::OtherModulus => {
-                "the modulus does not follow either, which that of every orthotropic film does in a free strip: the angles, \
-                 the jaws or the film differ"
-            }
-            Needs::Interaction => {
-                "the modulus follows and the stress afterwards does not: strain along fibres and shear need to yield together, \
-                 as in film whose stresses depend on one equivalent strain"
-            }
-            Needs::Unknown => "neither fibres that are not at right angles nor yielding together explains it",
-        })
-    }
-}
+/// What a law that follows the angles between needs, where angles θ and −θ differ.
+const SKEW_FIBRES: &str = "the same angle on both sides of MD differs, so that the law needs fibres that are not at right angles, or MD \
+                           lies elsewhere than was assumed";
+/// Where they differ from the first strain on.
+const OTHER_MODULUS: &str = "the modulus does not follow either, which that of every orthotropic film does in a free strip: the angles, \
+                             the jaws or the film differ";
+/// Where they follow at first, and the film yields earlier than the law.
+const INTERACTION: &str = "the modulus follows and the stress afterwards does not: strain along fibres and shear need to yield together, \
+                           as in film whose stresses depend on one equivalent strain";
+/// Where it is none of these.
+const UNKNOWN: &str = "neither fibres that are not at right angles nor yielding together explains it";
 
 /// The largest difference of coupons at θ and −θ, relative to their stress; none where no angle was measured on both sides.
 fn mirrored(coupons: &[Coupon<'_>]) -> Option<f64> {
@@ -329,9 +297,8 @@ impl Law {
         name: &'static str,
         asked: &Asked,
         coupons: &[Coupon<'_>],
-        plan: &Plan,
         values: &[f64],
-        session: &Session,
+        Calibrated { plan, session, .. }: &Calibrated<'_>,
     ) -> HostResult<Law> {
         let Some(first) = coupons.first() else { return Err(refuse("there is no coupon")) };
         let film = first.test.study.with(plan.changes(first.index, values), session)?;

@@ -16,7 +16,7 @@ use super::plan::{self, Plan};
 use super::posterior::{Beginning, Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
 use super::rows;
-use super::test;
+use super::test::{self, Test};
 use super::verdict;
 use super::warning::Warning;
 use crate::identify::SearchHost;
@@ -42,6 +42,23 @@ const DECLARED: [CallOptions; 6] = [
     CallOptions { of: "angles", function: "angles", inside: None, names: || angles::OPTIONS.into() },
 ];
 
+/// What calibrations read scenarios, run searches and report with. Cheap to clone.
+#[derive(Clone)]
+pub(super) struct Surroundings {
+    pub(super) scenarios: Scenarios,
+    pub(super) host: SearchHost,
+    pub(super) collector: OutputCollector,
+}
+
+/// A calibration that is done, for what follows from it.
+#[derive(Clone, Copy)]
+pub(super) struct Calibrated<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) fit: &'a Fit,
+    pub(super) around: &'a Surroundings,
+    pub(super) session: &'a Session,
+}
+
 /// The result of a calibration in a script. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct Calibration(Arc<Parts>);
@@ -49,9 +66,7 @@ pub(super) struct Calibration(Arc<Parts>);
 struct Parts {
     plan: Plan,
     fit: Fit,
-    scenarios: Scenarios,
-    host: SearchHost,
-    collector: OutputCollector,
+    around: Surroundings,
     derived: Mutex<Derived>,
 }
 
@@ -64,16 +79,28 @@ struct Derived {
     left_out: Vec<Row>,
 }
 
-/// Offers `calibrate` to scripts: its scenarios are read as `scenario` reads them, `host` runs its searches, and its tables
-/// and findings go to `collector`.
-pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, collector: &OutputCollector) {
-    let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
+/// Offers `calibrate` to scripts, and the function of [`StudyFile::SCRIPT`] that runs a study, where there is one: scenarios are read
+/// as `scenario` reads them, `host` runs the searches, and tables and findings go to `collector`.
+pub fn register(
+    engine: &mut Engine,
+    scenarios: &Scenarios,
+    host: &SearchHost,
+    collector: &OutputCollector,
+    study: Option<&Arc<StudyFile>>,
+) {
+    let around = Surroundings { scenarios: scenarios.clone(), host: host.clone(), collector: collector.clone() };
+    if let Some(study) = study.map(Arc::clone) {
+        let around = around.clone();
+        engine.register_fn("calibrate_study", move |context: NativeCallContext| {
+            study.run(&around, &Session::from_context(&context))
+        });
+    }
     let session = Session::of_engine(engine);
     DECLARED.iter().for_each(|options| session.declare_options(*options));
     engine
         .register_type_with_name::<Calibration>("calibration")
         .register_fn("calibrate", move |context: NativeCallContext, options: Map| {
-            Calibration::new(&options, &scenarios, &host, &collector, &Session::from_context(&context))
+            Calibration::new(&options, &around, &Session::from_context(&context))
         })
         .register_get("x", |own: &mut Calibration| own.values())
         .register_get("error", |own: &mut Calibration| own.0.fit.result.best.f)
@@ -125,60 +152,51 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios, host: &SearchHost, c
         .register_fn("page", |own: &mut Calibration| own.page());
 }
 
-/// Offers the function of [`StudyFile::SCRIPT`], which runs a study.
-pub fn register_study(
-    engine: &mut Engine,
-    study: &Arc<StudyFile>,
-    scenarios: &Scenarios,
-    host: &SearchHost,
-    collector: &OutputCollector,
-) {
-    let (study, scenarios, host, collector) = (Arc::clone(study), scenarios.clone(), host.clone(), collector.clone());
-    engine.register_fn("calibrate_study", move |context: NativeCallContext| {
-        study.run(&scenarios, &host, &collector, &Session::from_context(&context))
-    });
-}
-
 impl Calibration {
-    pub(super) fn new(
-        options: &Map,
-        scenarios: &Scenarios,
-        host: &SearchHost,
-        collector: &OutputCollector,
-        session: &Session,
-    ) -> HostResult<Calibration> {
+    pub(super) fn new(options: &Map, around: &Surroundings, session: &Session) -> HostResult<Calibration> {
         if session.is_trial() {
             return Err(refuse("an objective cannot search: `calibrate` is called within one"));
         }
-        let mut plan = Plan::read(options, scenarios, session)?;
-        if collector.has_table(&plan.table("parameters")) {
-            collector.report(Finding::new(&Warning::TablesReplaced)).map_err(refuse)?;
+        let mut plan = Plan::read(options, &around.scenarios, session)?;
+        if around.collector.has_table(&plan.table("parameters")) {
+            around.collector.report(Finding::new(&Warning::TablesReplaced)).map_err(refuse)?;
         }
-        let fit = Fit::search(&mut plan, host, session)?;
-        let (scenarios, host, collector) = (scenarios.clone(), host.clone(), collector.clone());
-        let own = Calibration(Arc::new(Parts { plan, fit, scenarios, host, collector, derived: Mutex::default() }));
+        let fit = Fit::search(&mut plan, &around.host, session)?;
+        let own = Calibration(Arc::new(Parts { plan, fit, around: around.clone(), derived: Mutex::default() }));
         own.report()?;
         Ok(own)
     }
 
+    fn with<'a>(&'a self, session: &'a Session) -> Calibrated<'a> {
+        let Parts { plan, fit, around, .. } = &*self.0;
+        Calibrated { plan, fit, around, session }
+    }
+
+    /// Leaves a table of the results.
+    fn table(&self, name: &str, rows: Vec<Row>) -> HostResult<()> {
+        let Parts { plan, around, .. } = &*self.0;
+        around.collector.table(&plan.table(name), rows).map_err(refuse)
+    }
+
     /// Tables and findings of the result.
     fn report(&self) -> HostResult<()> {
-        let Parts { plan, fit, collector, .. } = &*self.0;
-        collector.table(&plan.table("parameters"), self.parameters()).map_err(refuse)?;
+        let Parts { plan, fit, around, .. } = &*self.0;
+        self.table("parameters", self.parameters())?;
         let tests = rows::tests(plan, fit);
         let misfits: Vec<Finding> = rows::misfits(&tests).iter().map(Finding::new).collect();
         for (name, rows) in [("tests", tests), ("outcomes", rows::outcomes(plan, fit))] {
             if !rows.is_empty() {
-                collector.table(&plan.table(name), rows).map_err(refuse)?;
+                self.table(name, rows)?;
             }
         }
-        fit.findings.iter().chain(&misfits).try_for_each(|finding| collector.report(finding.clone())).map_err(refuse)
+        let mut findings = fit.findings.iter().chain(&misfits);
+        findings.try_for_each(|finding| around.collector.report(finding.clone())).map_err(refuse)
     }
 
     /// Reports findings.
     fn tell(&self, warnings: impl IntoIterator<Item = impl Borrow<Warning>>) -> HostResult<()> {
         let mut findings = warnings.into_iter().map(|warning| Finding::new(warning.borrow()));
-        findings.try_for_each(|finding| self.0.collector.report(finding)).map_err(refuse)
+        findings.try_for_each(|finding| self.0.around.collector.report(finding)).map_err(refuse)
     }
 
     fn parameters(&self) -> Vec<Row> {
@@ -196,9 +214,7 @@ impl Calibration {
     /// The scenario of a test with the best values.
     fn test(&self, name: &str, session: &Session) -> HostResult<Study> {
         let Parts { plan, fit, .. } = &*self.0;
-        let place = plan.tests.iter().position(|test| test.name == name);
-        let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-        let place = place.ok_or_else(|| refuse!("there is no test `{name}`; there are {}", known()))?;
+        let place = plan.place_of(name)?;
         plan.tests[place].study.with(plan.changes_with_breaks(place, &fit.values), session)
     }
 
@@ -208,12 +224,12 @@ impl Calibration {
 
     /// Samples the posterior; its rows.
     pub(super) fn posterior(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
-        let Parts { plan, fit, host, collector, .. } = &*self.0;
+        let Parts { plan, fit, around, .. } = &*self.0;
         let options = Options { of: "posterior", map: options };
         let scattered = scattered(plan, &options)?;
         let from = Beginning::new(plan, fit, &scattered)?;
         let options = posterior_options(&from.plan, &options, &scattered)?;
-        let found = Posterior::sample(&from, &options, host, session)?;
+        let found = Posterior::sample(&from, &options, &around.host, session)?;
         self.tell(&found.warnings)?;
         let median = found.median();
         let known =
@@ -224,15 +240,15 @@ impl Calibration {
         self.tell(doubts.filter(|own| !told.iter().any(|other| own.is_of_the_same(other))))?;
         self.tell(elsewhere(plan, fit, &found))?;
         let rows = rows::posterior(&found, &known);
-        collector.table(&plan.table("posterior"), rows.clone()).map_err(refuse)?;
-        collector.table(&plan.table("posterior_tests"), rows::surrogates(&found)).map_err(refuse)?;
+        self.table("posterior", rows.clone())?;
+        self.table("posterior_tests", rows::surrogates(&found))?;
         self.derived().posterior = Some(found);
         Ok(listed(&rows))
     }
 
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
     pub(super) fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
-        let Parts { plan, host, .. } = &*self.0;
+        let Parts { plan, around, .. } = &*self.0;
         let asked = asked(&Options { of: "predict", map: options })?;
         // A scenario that cannot be read is known before the posterior is sampled.
         let predicted = scenarios.iter().map(|given| self.predicted(given, session));
@@ -245,7 +261,7 @@ impl Calibration {
         let Some(posterior) = self.derived().posterior.clone() else { return Err(refuse("there is no posterior")) };
         let before = self.derived().predictions.len();
         for (name, study) in predicted {
-            host.tell(&format!("{}, prediction of {name}: {} runs", plan.title(), asked.samples));
+            around.host.tell(&format!("{}, prediction of {name}: {} runs", plan.title(), asked.samples));
             let found = Prediction::new(&name, &study, &posterior, &asked, session)?;
             self.derived().predictions.push(found);
             // One by one: an error of the next leaves what the others took their runs for.
@@ -258,12 +274,11 @@ impl Calibration {
 
     /// Tables of all predictions so far, and the findings of the last.
     fn report_predictions(&self) -> HostResult<()> {
-        let Parts { plan, collector, .. } = &*self.0;
         let derived = self.derived();
         for (name, rows) in PREDICTED {
             let rows = joined(&derived.predictions, rows);
             if !rows.is_empty() {
-                collector.table(&plan.table(&format!("predicted_{name}")), rows).map_err(refuse)?;
+                self.table(&format!("predicted_{name}"), rows)?;
             }
         }
         self.tell(derived.predictions.last().into_iter().flat_map(|own| &own.warnings))
@@ -271,98 +286,88 @@ impl Calibration {
 
     /// A scenario to predict, or `#{ scenario, name, set }`.
     fn predicted(&self, given: &Dynamic, session: &Session) -> HostResult<(String, Study)> {
-        let Some(map) = given.read_lock::<Map>().map(|map| map.clone()) else {
-            let study = self.0.scenarios.named(given, session)?;
+        let scenarios = &self.0.around.scenarios;
+        let Some(map) = given.clone().try_cast::<Map>() else {
+            let study = scenarios.named(given, session)?;
             return Ok((study.name().to_owned(), study));
         };
         let options = Options { of: "a scenario of predict", map: &map };
         options.check(&["scenario", "name", "set"])?;
-        let mut study = self.0.scenarios.named(options.value("scenario")?, session)?;
-        if let Some(changes) = map.get("set") {
-            let changes = changes.read_lock::<Map>().map(|map| map.clone());
-            study = study.with(changes.ok_or_else(|| refuse("`set` is a map of keys and values"))?, session)?;
-        }
+        let study = scenarios.changed(&options, "`set`", session)?;
         Ok((map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string), study))
     }
 
     /// What each candidate would tell beside the tests.
     pub(super) fn settles(&self, given: &Array, session: &Session) -> HostResult<Dynamic> {
-        let Parts { plan, fit, scenarios, collector, .. } = &*self.0;
-        let candidates::Compared { rows, advice } = candidates::compared(given, plan, fit, scenarios, session)?;
+        let candidates::Compared { rows, advice } = candidates::compared(given, &self.with(session))?;
         self.tell(advice)?;
         let mut derived = self.derived();
         derived.candidates.extend(rows.clone());
-        collector.table(&plan.table("candidates"), derived.candidates.clone()).map_err(refuse)?;
+        self.table("candidates", derived.candidates.clone())?;
         Ok(listed(&rows))
     }
 
     /// How well tests are predicted by fits without them.
     pub(super) fn left_out(&self, tests: Option<&Array>, session: &Session) -> HostResult<Dynamic> {
-        let Parts { plan, fit, host, collector, .. } = &*self.0;
+        let Parts { plan, fit, .. } = &*self.0;
         let groups = left_out::groups(tests, plan)?;
         if groups.is_empty() {
             self.tell([Warning::NothingToLeaveOut])?;
         }
-        let found = left_out::searched(&groups, plan, fit, host, session)?;
+        let found = left_out::searched(&groups, &self.with(session))?;
         self.tell(found.iter().flat_map(|left| left.doubts(plan)))?;
         let rows = left_out::rows(&found, plan, fit);
         let mut derived = self.derived();
         derived.left_out.extend(rows.clone());
         if !derived.left_out.is_empty() {
-            collector.table(&plan.table("left_out"), derived.left_out.clone()).map_err(refuse)?;
+            self.table("left_out", derived.left_out.clone())?;
         }
         Ok(listed(&rows))
     }
 
     /// What the law makes of coupons at several angles.
     fn angles(&self, options: &Map, session: &Session) -> HostResult<Dynamic> {
-        let Parts { plan, fit, host, collector, .. } = &*self.0;
-        let asked = angles::Asked::read(&Options { of: "angles", map: options }, plan)?;
-        let found = Angles::compared(&asked, plan, fit, host, session)?;
-        collector.table(&plan.table("angles"), found.rows.clone()).map_err(refuse)?;
-        for plot in found.plots {
-            collector.plot(plot).map_err(refuse)?;
-        }
+        let asked = angles::Asked::read(&Options { of: "angles", map: options }, &self.0.plan)?;
+        let found = Angles::compared(&asked, &self.with(session))?;
+        self.table("angles", found.rows.clone())?;
+        found.plots.into_iter().try_for_each(|plot| self.0.around.collector.plot(plot)).map_err(refuse)?;
         self.tell(&found.warnings)?;
         Ok(listed(&found.rows))
     }
 
     /// Plots of every test, measured and calibrated, of the posterior and of predictions.
     pub(super) fn page(&self) -> HostResult<()> {
-        let Parts { plan, fit, collector, .. } = &*self.0;
+        let Parts { plan, fit, around, .. } = &*self.0;
         let derived = self.derived();
         let pairs = derived.posterior.iter().flat_map(rows::pairs);
         let bands = derived.predictions.iter().flat_map(|own| own.bands.clone());
         let breaking = rows::breaking(plan, fit);
         let mut all = rows::plots(plan, fit).into_iter().chain(breaking).chain(bands).chain(pairs);
-        all.try_for_each(|plot| collector.plot(plot)).map_err(refuse)
+        all.try_for_each(|plot| around.collector.plot(plot)).map_err(refuse)
     }
 }
 
 /// The parameters that scatter over specimens, of `hierarchy`.
 fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
     let acts_on_two = |index: usize| plan.with_parameter(index).count() > 1;
-    let names = match options.map.get("hierarchy") {
-        None => return Ok(Vec::new()),
-        Some(given) => match given.as_bool() {
-            Ok(false) => return Ok(Vec::new()),
-            // What some tests have of their own beside others that share it differs for a reason of its own.
-            Ok(true) => {
-                let is_one = |index: &usize| {
-                    let owners =
-                        plan.with_parameter(*index).filter(|test| test.own.contains(&plan.parameters[*index].name));
-                    let owners = owners.count();
-                    owners == 0 || owners == plan.with_parameter(*index).count()
-                };
-                let of_keys = |index: &usize| plan.parameters[*index].role == Role::Key && acts_on_two(*index);
-                let found: Vec<usize> = (0..plan.parameters.len()).filter(of_keys).filter(is_one).collect();
-                return match found.is_empty() {
-                    true => Err(refuse_key("hierarchy", "`hierarchy: true`: no parameter acts on two tests", None)),
-                    false => Ok(found),
-                };
-            }
-            Err(_) => texts(given, "hierarchy").map_err(refuse)?,
-        },
+    // What some tests have of their own beside others that share it differs for a reason of its own.
+    let is_one = |index: &usize| {
+        let is_owner = |test: &&Test| test.own.contains(&plan.parameters[*index].name);
+        let owners = plan.with_parameter(*index).filter(is_owner).count();
+        owners == 0 || owners == plan.with_parameter(*index).count()
+    };
+    let given = options.map.get("hierarchy");
+    let names = match given.map(|given| (given, given.as_bool())) {
+        None | Some((_, Ok(false))) => return Ok(Vec::new()),
+        Some((_, Ok(true))) => {
+            let of_keys = |index: &usize| plan.parameters[*index].role == Role::Key && acts_on_two(*index);
+            let found: Vec<usize> = (0..plan.parameters.len()).filter(of_keys).filter(is_one).collect();
+            return match found.is_empty() {
+                true => Err(refuse_key("hierarchy", "`hierarchy: true`: no parameter acts on two tests", None)),
+                false => Ok(found),
+            };
+        }
+        Some((given, Err(_))) => texts(given, "hierarchy").map_err(refuse)?,
     };
     let of_name = |name: &String| {
         let index = plan.parameters.iter().position(|own| own.name == *name).filter(|index| acts_on_two(*index));

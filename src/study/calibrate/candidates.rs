@@ -4,17 +4,15 @@ use rayon::prelude::*;
 use rhai::{Array, Dynamic, Map};
 use serde_json::json;
 
+use super::bindings::Calibrated;
 use super::error_model::Noise;
-use super::fit::Fit;
 use super::objective::CalibrationObjective;
-use super::plan::Plan;
 use super::pulled;
 use super::rows::object;
 use super::test::{Test, Tolerances};
 use super::verdict::{self, Verdict};
 use super::warning::Warning;
-use crate::scenario_functions::Scenarios;
-use crate::script::{HostResult, Row, Session, refuse};
+use crate::script::{HostResult, Row, refuse};
 use nalgebra::DMatrix;
 use scene::model::Identity;
 
@@ -32,19 +30,14 @@ pub(super) struct Compared {
 }
 
 /// One row a candidate and unknown: its half width now, and with the candidate beside the tests.
-pub(super) fn compared(
-    candidates: &Array,
-    plan: &Plan,
-    fit: &Fit,
-    scenarios: &Scenarios,
-    session: &Session,
-) -> HostResult<Compared> {
+pub(super) fn compared(candidates: &Array, done: &Calibrated<'_>) -> HostResult<Compared> {
+    let Calibrated { plan, fit, session, .. } = *done;
     let mut rows = Vec::new();
     // Whether the tests leave an unknown open, how much is gained, and of what.
     let mut best: Option<(bool, f64, Warning)> = None;
     let ends = CalibrationObjective::new(plan, fit.share, session).ends();
     for given in candidates {
-        let mut test = candidate(given, plan, fit, scenarios, session)?;
+        let mut test = candidate(given, done)?;
         let repeated = plan.tests.iter().position(|own| is_repeat(&test, own));
         let mut information = verdict::information(plan, &fit.jacobian);
         if let Some(index) = repeated {
@@ -54,7 +47,7 @@ pub(super) fn compared(
             test = Test { name: test.name, ..plan.tests[index].clone() };
             test.signals.iter_mut().for_each(|own| own.errors.repeat(own.recordings.len()));
         }
-        let added = derivatives(&test, repeated, plan, fit, session)?;
+        let added = derivatives(&test, repeated, done)?;
         information += added.tr_mul(&added);
         let covariance = verdict::inverse(&information);
         for (index, unknown) in plan.unknowns.iter().enumerate() {
@@ -89,7 +82,8 @@ fn is_repeat(candidate: &Test, test: &Test) -> bool {
 }
 
 /// A candidate, whose recording would be its own simulation at the best point.
-fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, session: &Session) -> HostResult<Test> {
+fn candidate(given: &Dynamic, Calibrated { plan, fit, around, session }: &Calibrated<'_>) -> HostResult<Test> {
+    let scenarios = &around.scenarios;
     let mut map = match given.read_lock::<Map>() {
         Some(map) => map.clone(),
         None => [("scenario".into(), given.clone())].into_iter().collect(),
@@ -130,13 +124,8 @@ fn candidate(given: &Dynamic, plan: &Plan, fit: &Fit, scenarios: &Scenarios, ses
 
 /// Derivatives of the residuals of a test by the coordinates of all unknowns, by central differences; of one that repeats a test,
 /// by those that are its own, too.
-fn derivatives(
-    test: &Test,
-    repeated: Option<usize>,
-    plan: &Plan,
-    fit: &Fit,
-    session: &Session,
-) -> HostResult<DMatrix<f64>> {
+fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> HostResult<DMatrix<f64>> {
+    let Calibrated { plan, fit, session, .. } = *done;
     let shared = |index: &usize| plan.unknowns[*index].test.is_none();
     let shared = repeated.map_or_else(|| (0..plan.unknowns.len()).filter(shared).collect(), |own| plan.acting_on(own));
     let step = |index: usize| {

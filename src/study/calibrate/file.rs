@@ -9,13 +9,12 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use rhai::{Array, Dynamic, Map};
 use serde_json::Value as Json;
 
-use super::bindings::Calibration;
+use super::bindings::{Calibration, Surroundings};
 use super::plan::Plan;
 use super::test::found_column;
-use crate::identify::SearchHost;
 use crate::scenario_functions::Scenarios;
-use crate::script::{HostResult, OutputCollector, Session, cause, refused_key};
-use base::diagnostic::{Diagnostic, Source, Span, closest};
+use crate::script::{HostResult, Session, cause, refused_key};
+use base::diagnostic::{Diagnostic, Source, Span, did_you_mean};
 use base::file;
 use scene::scenario::grammar::{self, TableRule};
 use scene::scenario::{Entry, Node, Rule, Value, parse_tree, schema_for_editors, validate};
@@ -102,7 +101,7 @@ pub struct StudyFile {
 }
 
 impl StudyFile {
-    /// The script that runs a study, by the function of [`register_study`](super::register_study).
+    /// The script that runs a study, by the function that [`register`](super::register) offers.
     pub const SCRIPT: &str = "calibrate_study();\n";
 
     /// Whether the file at `path` has keys of a study and no specimen.
@@ -161,15 +160,9 @@ impl StudyFile {
     }
 
     /// Calibrates, and takes the steps that follow.
-    pub(super) fn run(
-        &self,
-        scenarios: &Scenarios,
-        host: &SearchHost,
-        collector: &OutputCollector,
-        session: &Session,
-    ) -> HostResult<()> {
-        let [candidates, predicted] = self.scenarios(scenarios, session)?;
-        let found = Calibration::new(&self.calibration, scenarios, host, collector, session);
+    pub(super) fn run(&self, around: &Surroundings, session: &Session) -> HostResult<()> {
+        let [candidates, predicted] = self.scenarios(&around.scenarios, session)?;
+        let found = Calibration::new(&self.calibration, around, session);
         let found = self.located("", found)?;
         if let Some(options) = &self.posterior {
             self.located("posterior", found.posterior(options, session).map(drop))?;
@@ -277,8 +270,7 @@ impl Reader {
         for own in names {
             let Some(name) = text(own).filter(|name| !known.contains(name)) else { continue };
             let mistake = Diagnostic::new(format!("there is no {what} `{name}`")).at(&own.span);
-            let hint = closest(name, known.iter().copied()).map(|close| format!("did you mean `{close}`?"));
-            self.mistakes.push(Diagnostic { hint, ..mistake });
+            self.mistakes.push(mistake.hint_if(did_you_mean(name, known.iter().copied())));
         }
     }
 

@@ -4,14 +4,15 @@ use rayon::prelude::*;
 use rhai::{Array, Dynamic};
 use serde_json::json;
 
+use super::bindings::Calibrated;
 use super::fit::{Fit, ended, labels};
 use super::objective::CalibrationObjective;
 use super::parameter::Unknown;
 use super::plan::Plan;
 use super::rows::object;
 use super::warning::Warning;
-use crate::identify::{HostSearch, SearchHost};
-use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
+use crate::identify::HostSearch;
+use crate::script::{HostResult, Row, cause, check_stop, refuse};
 use lab::signal::Series;
 
 /// The fit without some tests.
@@ -64,11 +65,7 @@ pub(super) fn groups(given: Option<&Array>, plan: &Plan) -> HostResult<Vec<Vec<u
         let alone = (0..plan.tests.len()).map(|test| vec![test]);
         return Ok(alone.filter(|group| without(plan, group).is_ok()).collect());
     };
-    let index = |name: &Dynamic| {
-        let found = plan.tests.iter().position(|test| name.clone().into_string().is_ok_and(|name| name == test.name));
-        let known = || plan.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-        found.ok_or_else(|| refuse!("there is no test `{name}`; there are {}", known()))
-    };
+    let index = |name: &Dynamic| plan.place_of(&name.to_string());
     let group = |item: &Dynamic| {
         let mut found = match item.read_lock::<Array>() {
             Some(list) => list.iter().map(index).collect::<HostResult<Vec<_>>>()?,
@@ -97,13 +94,8 @@ fn without(plan: &Plan, group: &[usize]) -> HostResult<Plan> {
 }
 
 /// Searches without each group of tests, all from the best point of the calibration, with the model's error of its result.
-pub(super) fn searched(
-    groups: &[Vec<usize>],
-    plan: &Plan,
-    fit: &Fit,
-    host: &SearchHost,
-    session: &Session,
-) -> HostResult<Vec<LeftOut>> {
+pub(super) fn searched(groups: &[Vec<usize>], done: &Calibrated<'_>) -> HostResult<Vec<LeftOut>> {
+    let Calibrated { plan, fit, around, session } = *done;
     let plans = groups.iter().map(|group| without(plan, group)).collect::<HostResult<Vec<_>>>()?;
     let prepared = plans.iter().zip(groups).map(|(own, group)| {
         let names: Vec<&str> = group.iter().map(|test| plan.tests[*test].name.as_str()).collect();
@@ -117,7 +109,7 @@ pub(super) fn searched(
         .iter()
         .map(|(search, labels, objective)| HostSearch { function: "left_out", search, labels, objective })
         .collect();
-    let found = host.minimize_all(session, &searches)?;
+    let found = around.host.minimize_all(session, &searches)?;
     let found = found.map_err(|(_, error)| ended(session, &error))?;
     let whole = CalibrationObjective::new(plan, fit.share, session);
     let trial = session.with_trial(session.cancellation());
@@ -133,13 +125,8 @@ pub(super) fn searched(
 }
 
 /// Signals of a test with these values of all unknowns.
-pub(super) fn simulated(
-    plan: &Plan,
-    fit: &Fit,
-    test: usize,
-    values: &[f64],
-    session: &Session,
-) -> HostResult<Vec<Series>> {
+pub(super) fn simulated(done: &Calibrated<'_>, test: usize, values: &[f64]) -> HostResult<Vec<Series>> {
+    let Calibrated { plan, fit, session, .. } = *done;
     let trial = session.with_trial(session.cancellation());
     Ok(CalibrationObjective::new(plan, fit.share, session).simulated(test, values, &trial)?.0)
 }

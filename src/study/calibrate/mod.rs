@@ -27,6 +27,6 @@ mod test;
 mod verdict;
 mod warning;
 
-pub use bindings::{register, register_study};
+pub use bindings::register;
 pub use file::{StudyFile, rule, schema};
 pub use warning::CODES;

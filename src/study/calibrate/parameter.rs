@@ -7,13 +7,13 @@ use serde_json::Value;
 
 use super::file;
 use super::outcome::BREAK_FACTORS;
-use crate::script::{HostResult, Options, from_json, number, refuse, to_json};
+use crate::script::{HostResult, Options, from_json, number, numbers, refuse, to_json};
 use lab::experiment::coupon::Curve;
 use uncertainty::distribution::Distribution;
 use uncertainty::normal;
 
 /// A parameter: the keys that have its value, and what is known of it before the tests.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Parameter {
     /// Its name in results.
     pub(super) name: String,
@@ -50,9 +50,10 @@ pub(super) struct Key {
 }
 
 /// What a parameter acts on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Role {
     /// Keys of scenarios.
+    #[default]
     Key,
     /// The break strains of MD, TD or both, on which outcomes depend, and no signal of film that held.
     Break([bool; 2]),
@@ -132,19 +133,8 @@ impl Parameter {
             let text = format!("`scatter` is of break strains: {}", BREAK_FACTORS.join(", "));
             return Err(of_parameter(text));
         }
-        Ok(Parameter {
-            name: name.into(),
-            keys,
-            unit,
-            start,
-            within,
-            is_logarithmic,
-            prior,
-            tests,
-            point: None,
-            role,
-            scatter,
-        })
+        let name = name.into();
+        Ok(Parameter { name, keys, unit, start, within, is_logarithmic, prior, tests, point: None, role, scatter })
     }
 
     /// The parameter that the scatter of a break strain is where it is estimated: anywhere between its ends, along the
@@ -153,16 +143,12 @@ impl Parameter {
         let (Role::Break(along), Some([low, high])) = (self.role, self.scatter) else { return None };
         (low < high).then(|| Parameter {
             name: format!("scatter of {}", self.name),
-            keys: Vec::new(),
-            unit: None,
             start: (low * high).sqrt(),
             within: [low, high],
             is_logarithmic: true,
-            prior: None,
             tests: self.tests.clone(),
-            point: None,
             role: Role::Scatter(along),
-            scatter: None,
+            ..Parameter::default()
         })
     }
 
@@ -366,9 +352,8 @@ pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Paramete
     let strains: Vec<f64> = match map.get("strains") {
         None => USUAL_SHARES.map(|share| share * start.range()[1]).into(),
         Some(given) => {
-            let list = given.read_lock::<Array>().map(|list| list.clone());
-            let list = list.ok_or_else(|| of_parameter("`strains` must be an array of strains".into()))?;
-            list.iter().map(|item| number(item, "a strain")).collect::<HostResult<_>>()?
+            let list = given.clone().try_cast::<Array>();
+            numbers(&list.ok_or_else(|| of_parameter("`strains` must be an array of strains".into()))?, "a strain")?
         }
     };
     let ascends = strains.windows(2).all(|pair| pair[0] < pair[1]) && strains.first().is_some_and(|first| *first > 0.0);
@@ -393,16 +378,12 @@ pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Paramete
         let rise = (stress(strains[place]) - before).max(LEAST_RISE * most);
         Parameter {
             name: format!("{name} rise {}", place + 1),
-            keys: Vec::new(),
             unit: Some(UNIT.into()),
             start: rise,
             within: [0.0, MOST_RISE * most],
-            is_logarithmic: false,
-            prior: None,
             tests: tests.clone(),
             point: Some(CurvePoint { key: key.clone(), strains: strains.clone(), place, until }),
-            role: Role::Key,
-            scatter: None,
+            ..Parameter::default()
         }
     };
     Ok((0..strains.len()).map(point).collect())

@@ -122,24 +122,9 @@ impl Plan {
             let text = format!("`precision` must be a relative half width above zero, such as 0.2, not {precision}");
             return Err(refuse_key("precision", &text, None));
         }
-        let keeps_ruptured = match given.get("on_rupture").map(Dynamic::to_string).as_deref() {
-            None | Some("fail") => false,
-            Some("keep") => true,
-            Some(other) => {
-                let text = format!("`on_rupture` is \"fail\" or \"keep\", not \"{other}\"");
-                return Err(refuse_key("on_rupture", &text, None));
-            }
-        };
-        let elements = match given.get("mesh").map(Dynamic::to_string).as_deref() {
-            None | Some("corrected") => Elements::Corrected,
-            Some("exact") => Elements::Exact,
-            Some(other) => {
-                let text = format!(
-                    "`mesh` is \"corrected\", or \"exact\" of virtual recordings on the same elements, not \"{other}\""
-                );
-                return Err(refuse_key("mesh", &text, None));
-            }
-        };
+        let keeps_ruptured = word(given, "on_rupture", [("fail", false), ("keep", true)], "\"fail\" or \"keep\"")?;
+        let known = "\"corrected\", or \"exact\" of virtual recordings on the same elements";
+        let elements = word(given, "mesh", [("corrected", Elements::Corrected), ("exact", Elements::Exact)], known)?;
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
             name,
@@ -183,6 +168,13 @@ impl Plan {
             })?;
         }
         Ok(())
+    }
+
+    /// The index of the test of this name.
+    pub(super) fn place_of(&self, name: &str) -> HostResult<usize> {
+        let known = || self.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
+        let place = self.tests.iter().position(|test| test.name == name);
+        place.ok_or_else(|| refuse!("there is no test `{name}`; there are {}", known()))
     }
 
     /// The values at which the search starts.
@@ -425,6 +417,13 @@ impl Plan {
     }
 }
 
+/// What the word of an option stands for, which has two words, the first of them usual; `known` lists them.
+fn word<T: Copy>(given: &Map, name: &str, words: [(&str, T); 2], known: &str) -> HostResult<T> {
+    let Some(own) = given.get(name).map(Dynamic::to_string) else { return Ok(words[0].1) };
+    let found = words.iter().find(|(word, _)| *word == own).map(|(_, value)| *value);
+    found.ok_or_else(|| refuse_key(name, &format!("`{name}` is {known}, not \"{own}\""), None))
+}
+
 /// The tests that are listed, each of another name.
 fn tests(
     options: &Options<'_>,
@@ -432,8 +431,7 @@ fn tests(
     tolerances: Tolerances,
     session: &Session,
 ) -> HostResult<Vec<Test>> {
-    let listed = options.value("tests")?.read_lock::<Array>().map(|list| list.clone());
-    let listed = listed.filter(|list| !list.is_empty());
+    let listed = options.value("tests")?.clone().try_cast::<Array>().filter(|list| !list.is_empty());
     let listed = listed.ok_or_else(|| refuse("`tests` of calibrate must be an array of one test or more"))?;
     let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
     let mut tests = tests.collect::<HostResult<Vec<_>>>()?;
@@ -452,8 +450,7 @@ fn tests(
 
 /// The parameters that are listed, with the scatter of those that are break strains.
 fn parameters(options: &Options<'_>, tests: &[Test]) -> HostResult<Vec<Parameter>> {
-    let map = options.value("parameters")?.read_lock::<Map>().map(|map| map.clone());
-    let map = map.filter(|map| !map.is_empty());
+    let map = options.value("parameters")?.clone().try_cast::<Map>().filter(|map| !map.is_empty());
     let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
     let read = |(name, given): (&rhai::Identifier, &Dynamic)| match parameter::is_curve(given) {
         true => parameter::read_curve(name, given),
@@ -532,8 +529,8 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
     let Some(given) = given else { return Ok(Vec::new()) };
     let wrong =
         || refuse("`stages` must be an array of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
-    let list = given.read_lock::<Array>().map(|list| list.clone()).ok_or_else(wrong)?;
-    let maps = list.iter().map(|item| item.read_lock::<Map>().map(|map| map.clone()).ok_or_else(wrong));
+    let list = given.clone().try_cast::<Array>().ok_or_else(wrong)?;
+    let maps = list.into_iter().map(|item| item.try_cast::<Map>().ok_or_else(wrong));
     let maps = maps.collect::<HostResult<Vec<_>>>()?;
     match maps.split_last() {
         Some((last, before)) if last.is_empty() => {

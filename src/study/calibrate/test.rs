@@ -82,12 +82,7 @@ impl Test {
             map.ok_or_else(|| refuse!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))?;
         let options = Options { of: "a test of calibrate", map: &map };
         options.check(&super::file::test_options())?;
-        let mut study = scenarios.named(options.value("scenario")?, session)?;
-        if let Some(changes) = map.get("set") {
-            let changes = changes.read_lock::<Map>().map(|map| map.clone());
-            let changes = changes.ok_or_else(|| refuse("`set` of a test is a map of keys and values"))?;
-            study = study.with(changes, session)?;
-        }
+        let study = scenarios.changed(&options, "`set` of a test", session)?;
         let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
         let in_test = |text: String| refuse!("test `{name}`: {text}");
         let weight = options.number("weight", 1.0)?;

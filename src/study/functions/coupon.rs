@@ -6,7 +6,9 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
 use serde_json::json;
 
-use crate::script::{Compared, HostResult, Options, Session, number, record, refuse, refuse_hinted, shown, window};
+use crate::script::{
+    self, Compared, HostResult, Options, Session, list, number, numbers, record, refuse, refuse_hinted, shown,
+};
 use base::units::{Length, Mass, Velocity};
 use lab::Error;
 use lab::experiment::coupon::average::{SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference};
@@ -79,7 +81,7 @@ fn rules(given: &Options<'_>) -> HostResult<Rules> {
     given.check(&["window", "break_share", "toe_compensation"])?;
     let usual = Rules::default();
     Ok(Rules {
-        window: given.map.get("window").map_or(Ok(usual.window), strains)?,
+        window: given.map.get("window").map_or(Ok(usual.window), script::window)?,
         break_share: given.number("break_share", usual.break_share)?,
         toe_compensation: given.boolean("toe_compensation", usual.toe_compensation)?,
     })
@@ -201,12 +203,12 @@ pub(super) fn register_curves(engine: &mut Engine) {
             Ok::<_, Box<EvalAltResult>>(list(&curve.resultant(number(&thickness, "the thickness")?)))
         })
         .register_fn("modulus", |curve: &mut Curve| slope(curve, WINDOW))
-        .register_fn("modulus", |curve: &mut Curve, window: Dynamic| slope(curve, strains(&window)?))
+        .register_fn("modulus", |curve: &mut Curve, window: Dynamic| slope(curve, script::window(&window)?))
         .register_fn("toe_compensated", toe_compensated)
         .register_fn("rupture", |curve: &mut Curve| rupture(curve, BREAK_SHARE))
         .register_fn("rupture", |curve: &mut Curve, share: Dynamic| rupture(curve, number(&share, "the share")?))
         .register_fn("yield_points", |curve: &mut Curve| yields(curve, WINDOW))
-        .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, strains(&window)?))
+        .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, script::window(&window)?))
         .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
         .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
         .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
@@ -223,21 +225,6 @@ pub(super) fn register_curves(engine: &mut Engine) {
             let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
             Ok::<_, Box<EvalAltResult>>(shown(&spread))
         });
-}
-
-/// A window of strain `[from, to]`.
-pub(super) fn strains(value: &Dynamic) -> HostResult<[f64; 2]> {
-    window(value)
-}
-
-/// The numbers as a list.
-pub(super) fn list(values: &[f64]) -> Array {
-    values.iter().copied().map(Dynamic::from).collect()
-}
-
-/// The list as numbers; `what` names one of them in the error.
-pub(super) fn numbers(items: &[Dynamic], what: &str) -> HostResult<Vec<f64>> {
-    items.iter().map(|item| number(item, what)).collect()
 }
 
 fn build(strains: Array, stresses: Array) -> HostResult<Curve> {
@@ -264,7 +251,7 @@ fn slope(curve: &Curve, window: [f64; 2]) -> HostResult<f64> {
 }
 
 fn toe_compensated(curve: &mut Curve, window: Dynamic) -> HostResult<Curve> {
-    let line = curve.modulus(strains(&window)?).map_err(refuse)?;
+    let line = curve.modulus(script::window(&window)?).map_err(refuse)?;
     Ok(curve.toe_compensated(line.slope, line.intercept))
 }
 

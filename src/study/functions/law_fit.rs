@@ -7,8 +7,7 @@ use rhai::{Array, Dynamic, Engine, INT, Map, NativeCallContext};
 use serde::Serialize;
 use serde_json::json;
 
-use super::coupon::{list, numbers};
-use crate::script::{HostResult, Options, Session, findings_map, record, refuse, refuse_hinted};
+use crate::script::{HostResult, Options, Session, findings_map, list, numbers, record, refuse, refuse_hinted};
 use base::finding::Finding;
 use lab::experiment::law_fit::{
     BiaxialPoint, Coefficient, DataSet, FitOptions, LawFit, Measured, Quality, StressReader, TestFit, TestKind, fit_law,

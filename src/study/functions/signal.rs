@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, INT, NativeCallContext};
 use serde_json::json;
 
-use crate::script::{Compared, HostResult, Session, number, refuse, shown, window};
+use crate::script::{self, Compared, HostResult, Session, number, numbers, refuse, shown, window};
 use lab::signal::clip::{self, Counting};
 use lab::signal::filter::{self, Standard};
 use lab::signal::{Series, hic, integrate, norm, rating, resample};
@@ -55,7 +55,6 @@ fn register_operators(engine: &mut Engine) {
 }
 
 fn build(time: Array, values: Array) -> HostResult<Series> {
-    let numbers = |items: &Array, what| items.iter().map(|item| number(item, what)).collect::<HostResult<Vec<_>>>();
     let (time, values) = (numbers(&time, "a time")?, numbers(&values, "a value")?);
     if time.len() != values.len() {
         return Err(refuse!("{} times for {} values", time.len(), values.len()));
@@ -208,7 +207,7 @@ fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
     if count > most {
         return Err(refuse!("the signal has {count} samples, a list holds {most}: take a slice or resample it"));
     }
-    Ok(numbers.iter().map(|number| (*number).into()).collect())
+    Ok(script::list(numbers))
 }
 
 /// Most numbers that are drawn at once, the limit of lists.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Number, Value};
 
 use super::{HostResult, refuse, refuse_key};
-use base::diagnostic::closest;
+use base::diagnostic::did_you_mean;
 use base::finding::Finding;
 use base::removed;
 use base::units::Dimension;
@@ -26,6 +26,19 @@ pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
     }
     let integer = value.as_int();
     integer.map(|i| i as f64).map_err(|found| refuse!("expected a number for {what}, found {found}"))
+}
+
+/// The list as numbers; `what` names one of them in the error.
+///
+/// # Errors
+/// One of them is no number.
+pub fn numbers(items: &[Dynamic], what: &str) -> HostResult<Vec<f64>> {
+    items.iter().map(|item| number(item, what)).collect()
+}
+
+/// The numbers as a list.
+pub fn list(values: &[f64]) -> Array {
+    values.iter().copied().map(Dynamic::from).collect()
 }
 
 /// A window of time `[from, to]` in s.
@@ -137,7 +150,7 @@ impl Options<'_> {
     pub fn check(&self, known: &[&str]) -> HostResult<()> {
         let Some(key) = self.map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
         let message = format!("{} has no option `{key}`; it takes {}", self.of, known.join(", "));
-        let meant = || closest(key, known.iter().copied()).map(|name| format!("did you mean `{name}`?"));
+        let meant = || did_you_mean(key, known.iter().copied());
         Err(refuse_key(key, &message, removed::function(&format!("{}.{key}", self.of)).or_else(meant)))
     }
 

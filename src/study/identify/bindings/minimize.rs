@@ -6,8 +6,8 @@ use super::objective::OnRupture;
 use super::{SearchHost, result};
 use crate::identify::convergence::{Labels, SignalLabel};
 use crate::identify::options::{Bounds, Method, Search, Starts};
-use crate::script::{HostResult, number, refuse, thrown};
-use base::diagnostic::closest;
+use crate::script::{HostResult, number, numbers, refuse, thrown};
+use base::diagnostic::did_you_mean;
 use base::removed;
 
 /// Registers `minimize` and `minimize_all`.
@@ -180,10 +180,8 @@ pub(super) fn unknown<'k>(
     text: &str,
     known: impl IntoIterator<Item = &'k str> + Clone,
 ) -> Box<EvalAltResult> {
-    let hint = match closest(text, known.clone()) {
-        Some(close) => format!("did you mean `{close}`?"),
-        None => format!("there are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
-    };
+    let all = |known: Vec<&str>| format!("there are {}", known.join(", "));
+    let hint = did_you_mean(text, known.clone()).unwrap_or_else(|| all(known.into_iter().collect()));
     refuse!("unknown {what} `{text}` ({hint})")
 }
 
@@ -209,10 +207,6 @@ pub(super) fn count(value: &Dynamic, option: &str, max: INT) -> HostResult<usize
 
 fn whole(value: &Dynamic, option: &str) -> HostResult<INT> {
     value.as_int().map_err(|found| refuse!("`{option}` is a whole number, not {found}"))
-}
-
-fn numbers(list: &Array, what: &str) -> HostResult<Vec<f64>> {
-    list.iter().map(|item| number(item, what)).collect()
 }
 
 /// Bounds of one side; `()` is `none`.

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, INT, Map};
 use crate::identify::convergence::thinned;
 use crate::identify::search::Iteration;
 use crate::identify::search::{SearchResult, StartResult};
-use crate::script::findings_map;
+use crate::script::{findings_map, list};
 use base::finding::Finding;
 use lab::confidence::Confidence;
 
@@ -42,7 +42,7 @@ pub(super) fn of_search(result: &SearchResult, names: &[String], values: usize) 
 
 fn of_start(result: &StartResult) -> Map {
     let mut map = Map::new();
-    map.insert("x".into(), list(result.x.iter().copied()).into());
+    map.insert("x".into(), list(&result.x).into());
     map.insert("f".into(), result.f.into());
     map.insert("iterations".into(), integer(result.iterations));
     map.insert("evaluations".into(), integer(result.evaluations));
@@ -82,14 +82,15 @@ pub(super) fn of_confidence(confidence: &Confidence) -> Map {
     let names = &confidence.names;
     let count = names.len();
     let matrix = |entry: &dyn Fn(usize, usize) -> f64| -> Array {
-        (0..count).map(|row| list((0..count).map(|column| entry(row, column))).into()).collect()
+        (0..count).map(|row| (0..count).map(|column| entry(row, column).into()).collect::<Array>().into()).collect()
     };
+    let side = |side: usize| list(&confidence.intervals.iter().map(|ends| ends[side]).collect::<Vec<_>>());
     let mut map = Map::new();
     map.insert("names".into(), names.iter().map(|name| name.clone().into()).collect::<Array>().into());
-    map.insert("x".into(), list(confidence.x.iter().copied()).into());
-    map.insert("standard_errors".into(), list(confidence.standard_errors.iter().copied()).into());
-    map.insert("lower".into(), list(confidence.intervals.iter().map(|[lower, _]| *lower)).into());
-    map.insert("upper".into(), list(confidence.intervals.iter().map(|[_, upper]| *upper)).into());
+    map.insert("x".into(), list(&confidence.x).into());
+    map.insert("standard_errors".into(), list(&confidence.standard_errors).into());
+    map.insert("lower".into(), side(0).into());
+    map.insert("upper".into(), side(1).into());
     map.insert("covariance".into(), matrix(&|row, column| confidence.covariance[(row, column)]).into());
     map.insert("correlation".into(), matrix(&|row, column| confidence.correlation[(row, column)]).into());
     map.insert("samples".into(), integer(confidence.samples));
@@ -129,10 +130,6 @@ fn correlation_row(confidence: &Confidence, index: usize) -> Map {
 fn named<'n>(name: &str, figures: impl IntoIterator<Item = (&'n str, f64)>) -> Map {
     let figures = figures.into_iter().map(|(name, value)| (name.into(), value.into()));
     std::iter::once(("parameter".into(), name.to_owned().into())).chain(figures).collect()
-}
-
-fn list(values: impl Iterator<Item = f64>) -> Array {
-    values.map(Dynamic::from).collect()
 }
 
 fn or_unit(value: Option<f64>) -> Dynamic {
