@@ -5,7 +5,7 @@ use std::error::Error;
 use droptower::confidence::{Colour, Confidence, ConfidenceOptions};
 use droptower::diagnostic::{Diagnostic, render};
 use droptower::identify::{
-    Evaluation, Method, Objective, Search, SearchError, linearize_at_start, minimize, with_evaluator,
+    Evaluation, Method, Objective, Search, SearchError, Trial, linearize_at_start, minimize, with_evaluator,
 };
 use droptower::model;
 use droptower::scenario::{Assignment, Document};
@@ -41,10 +41,10 @@ struct DropTest {
 
 impl Objective for DropTest {
     /// The relative residuals of the displacement; an error of the run is a failed trial.
-    fn evaluate(&self, x: &[f64], cancellation: &Cancellation) -> Evaluation {
+    fn trial(&self, x: &[f64], cancellation: &Cancellation) -> Trial {
         let residuals = displacement(&self.document, x[0], cancellation)
             .and_then(|simulated| Ok(relative_residuals(&simulated, &self.recorded, [0.0, 0.06])?.values().to_vec()));
-        residuals.into()
+        Evaluation::from(residuals).into()
     }
 }
 
