@@ -188,20 +188,18 @@ impl FieldComparison {
     /// point off the film; in the axes of the run.
     pub fn columns(&self) -> Vec<Column> {
         let rows = || self.states.iter().flat_map(|state| state.points.iter().map(move |point| (state, point)));
-        let place = |point: &PointError| self.places[point.place as usize];
         let is_on = |point: &PointError| self.on_film[point.place as usize];
         let number = |value: f64| rounded(value, DIGITS);
         let mut columns = vec![Column::of_numbers("time_s", rows().map(|(state, _)| clean_time(state.time)))];
-        for (axis, name) in ["x_m", "y_m", "z_m"].into_iter().enumerate() {
-            columns.push(Column::of_numbers(name, rows().map(|(_, point)| number(place(point)[axis]))));
-        }
-        for (axis, name) in ["u_m", "v_m", "w_m"].into_iter().enumerate() {
-            columns.push(Column::of_numbers(name, rows().map(|(_, point)| number(point.measured[axis]))));
-        }
-        for (axis, name) in ["simulated_u_m", "simulated_v_m", "simulated_w_m"].into_iter().enumerate() {
-            let simulated = |point: &PointError| if is_on(point) { number(point.simulated[axis]) } else { f64::NAN };
-            columns.push(Column::of_numbers(name, rows().map(|(_, point)| simulated(point))));
-        }
+        let mut add = |names: [&str; 3], of: &dyn Fn(&PointError) -> [f64; 3]| {
+            for (axis, name) in names.into_iter().enumerate() {
+                columns.push(Column::of_numbers(name, rows().map(|(_, point)| number(of(point)[axis]))));
+            }
+        };
+        add(["x_m", "y_m", "z_m"], &|point| self.places[point.place as usize]);
+        add(["u_m", "v_m", "w_m"], &|point| point.measured);
+        let simulated = |point: &PointError| if is_on(point) { point.simulated } else { [f64::NAN; 3] };
+        add(["simulated_u_m", "simulated_v_m", "simulated_w_m"], &simulated);
         let error = |point: &PointError| if is_on(point) { number(point.size()) } else { f64::NAN };
         columns.push(Column::of_numbers("error_m", rows().map(|(_, point)| error(point))));
         columns

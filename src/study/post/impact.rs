@@ -1,5 +1,7 @@
 //! Measures of an impact.
 
+use std::sync::LazyLock;
+
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -117,7 +119,7 @@ impl Impact {
 
     /// Figures of the only impactor, or of the first.
     pub fn first(&self) -> &BodyFigures {
-        static NONE: BodyFigures = BodyFigures::NONE;
+        static NONE: LazyLock<BodyFigures> = LazyLock::new(BodyFigures::default);
         self.bodies.first().unwrap_or(&NONE)
     }
 
@@ -138,19 +140,6 @@ impl Impact {
 }
 
 impl BodyFigures {
-    const NONE: BodyFigures = BodyFigures {
-        prefix: String::new(),
-        had_film_contact: false,
-        is_unfinished: false,
-        peak_acceleration_m_s2: None,
-        time_of_peak_acceleration_s: None,
-        peak_displacement_m: None,
-        time_of_peak_displacement_s: None,
-        rebound_velocity_m_s: None,
-        energy_absorption: None,
-        film_energy_absorption: None,
-    };
-
     /// Measures of the channels of `signals` that begin with `prefix`.
     fn measure(impactor: &Impactor, prefix: &str, model: &Model, signals: &Recording) -> BodyFigures {
         let moves = impactor.mass.is_finite();
@@ -183,12 +172,13 @@ impl BodyFigures {
     }
 
     fn ended_early(self) -> BodyFigures {
-        let early =
-            BodyFigures { rebound_velocity_m_s: None, energy_absorption: None, film_energy_absorption: None, ..self };
-        if self.rebound_velocity_m_s.is_some() {
-            early
-        } else {
-            BodyFigures { prefix: early.prefix, had_film_contact: early.had_film_contact, ..BodyFigures::NONE }
+        let BodyFigures { prefix, had_film_contact, .. } = self;
+        match self.rebound_velocity_m_s {
+            Some(_) => {
+                let (rebound_velocity_m_s, energy_absorption, film_energy_absorption) = (None, None, None);
+                BodyFigures { prefix, rebound_velocity_m_s, energy_absorption, film_energy_absorption, ..self }
+            }
+            None => BodyFigures { prefix, had_film_contact, ..BodyFigures::default() },
         }
     }
 }

@@ -22,27 +22,8 @@ pub(super) fn with_remedy(warning: &Warning, model: &Model, mass_scaling: Option
         | Warning::FewerSnapshots { .. } => warning.code().remedy.to_owned(),
         Warning::CoarseContact { .. } | Warning::Penetration { .. } => finer(warning, model),
         Warning::NotQuasiStatic { .. } | Warning::BarelyQuasiStatic { .. } => slower(model, mass_scaling),
-        Warning::Settled(_)
-        | Warning::StepOfSprings(_)
-        | Warning::SpringsSlack { .. }
-        | Warning::NoFilmContact(_)
-        | Warning::MisshapenElements { .. }
-        | Warning::FrameHit { .. }
-        | Warning::FilmBehindMirror { .. }
-        | Warning::FilmCrossing { .. }
-        | Warning::FilmContactLost { .. }
-        | Warning::FilmContactUnresolved { .. }
-        | Warning::StrainLocalisation { .. }
-        | Warning::UncoupledBiaxial { .. }
-        | Warning::BreakStrainOfCoupons { .. }
-        | Warning::ThinningBeforeBreak { .. }
-        | Warning::EnergyBalance { .. }
-        | Warning::ElementsTooWide { .. }
-        | Warning::TearByLimit { .. }
-        | Warning::HardeningExceeded { .. }
-        | Warning::HeatLeaves { .. }
-        | Warning::HeatTwice { .. }
-        | Warning::StrainRateOutside { .. } => return warning.to_string(),
+        // The others need none, or one that is the same for every scenario.
+        _ => return warning.to_string(),
     };
     format!("{warning}; {remedy}")
 }

@@ -6,13 +6,14 @@ use rhai::{Dynamic, Engine, EvalAltResult, INT, ImmutableString, Scope};
 use serde_json::{Value, json};
 
 use super::figures::SUMMARY;
+use super::impact::object;
 use super::{ReferenceComparison, Results};
 use crate::field_comparison::FieldComparison;
 use crate::script::{Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
 use base::budget::{Budget, Claim};
 use lab::dic::Field;
 use lab::signal::{Recording, Series, column};
-use scene::model::{Impactor, Model};
+use scene::model::{Face, Impactor, Model};
 use scene::simulate::Outcome;
 
 /// A finished run: signals, energies, figures and what was run. Cheap to clone.
@@ -174,15 +175,11 @@ fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>
 
 /// The quantities of a model that scripts read.
 pub(crate) fn facts(model: &Model) -> serde_json::Map<String, Value> {
-    let mut facts = serde_json::Map::new();
-    facts.insert("name".into(), json!(model.name));
-    facts.insert("title".into(), json!(model.title));
-    let layers: Vec<u32> = model.faces.iter().map(|face| face.layers).collect();
-    facts.insert("layers".into(), json!(layers));
-    let thickness: Vec<f64> = model.faces.iter().map(|face| face.material.thickness).collect();
-    facts.insert("thickness".into(), json!(thickness));
-    let prestrain: Vec<[f64; 2]> = model.faces.iter().map(|face| face.prestrain).collect();
-    facts.insert("prestrain".into(), json!(prestrain));
+    let of_faces = |of: fn(&Face) -> Value| model.faces.iter().map(of).collect::<Value>();
+    let mut facts = object(&json!({
+        "name": model.name, "title": model.title, "layers": of_faces(|face| json!(face.layers)),
+        "thickness": of_faces(|face| json!(face.material.thickness)), "prestrain": of_faces(|face| json!(face.prestrain)),
+    }));
     match model.impactors.as_slice() {
         [impactor] if impactor.mass.is_finite() => drop(facts.insert("mass".into(), json!(impactor.mass))),
         [] | [_] => {}
