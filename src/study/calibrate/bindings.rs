@@ -1,7 +1,7 @@
 //! `calibrate` in scripts, and what its result offers.
 
 use std::borrow::Borrow;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use rhai::{Array, Dynamic, Engine, Map, NativeCallContext};
 use serde_json::{Value, json};
@@ -219,7 +219,7 @@ impl Calibration {
     }
 
     fn derived(&self) -> MutexGuard<'_, Derived> {
-        self.0.derived.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.0.derived)
     }
 
     /// Samples the posterior; its rows.
@@ -383,7 +383,7 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
 /// `#{ scatter, runs, rounds, steps, seed }`, and what scatters over specimens.
 fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) -> HostResult<PosteriorOptions> {
     options.check(&file::posterior_options())?;
-    let scatter = options.map.get("scatter").map(|given| number(given, "scatter")).transpose()?;
+    let scatter = options.optional_number("scatter")?;
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));
     }

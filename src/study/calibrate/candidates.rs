@@ -129,7 +129,7 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
     let shared = |index: &usize| plan.unknowns[*index].test.is_none();
     let shared = repeated.map_or_else(|| (0..plan.unknowns.len()).filter(shared).collect(), |own| plan.acting_on(own));
     let step = |index: usize| {
-        let [low, high] = plan.parameter_of(&plan.unknowns[index]).within;
+        let [low, high] = plan.parameter_at(index).within;
         let size = if fit.values[index] == 0.0 { 1.0 } else { fit.values[index].abs() };
         (plan.search.difference * size).min(0.25 * (high - low))
     };
@@ -139,7 +139,7 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
     let share = if plan.has_residuals() { fit.share } else { plan.share_before() };
     let at = |(index, sign): &(usize, f64)| -> HostResult<Vec<f64>> {
         let mut values = fit.values.clone();
-        let [low, high] = plan.parameter_of(&plan.unknowns[*index]).within;
+        let [low, high] = plan.parameter_at(*index).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
         let shared = || plan.shared_changes(&values, &taken);
         let study = test.study.with(repeated.map_or_else(shared, |own| plan.changes(own, &values)), session)?;
@@ -155,7 +155,7 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
     let mut jacobian = DMatrix::zeros(length, plan.unknowns.len());
     for (place, index) in shared.iter().enumerate() {
         let (up, down) = (&found[2 * place], &found[2 * place + 1]);
-        let slope = plan.parameter_of(&plan.unknowns[*index]).slope(fit.values[*index]);
+        let slope = plan.parameter_at(*index).slope(fit.values[*index]);
         for row in 0..length {
             jacobian[(row, *index)] = slope * (up[row + 1] - down[row + 1]) / (up[0] - down[0]);
         }

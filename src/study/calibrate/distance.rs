@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::error_model::{ErrorModel, SignalError, root_mean_square};
+use super::error_model::{ErrorModel, root_mean_square};
 use crate::script::Options;
 use base::removed;
 use lab::signal::{Series, rating};
@@ -64,12 +64,9 @@ impl Distance {
         recordings: &[Series],
         simulated: &Series,
     ) -> Result<DVector<f64>, String> {
-        let wrong = |error: SignalError| error.to_string();
         match *self {
-            Distance::Residuals => errors.scaled(simulated).map_err(wrong),
-            Distance::ErrorNorm(error) => {
-                Ok(DVector::from_element(1, errors.relative_error(simulated).map_err(wrong)? / error))
-            }
+            Distance::Residuals => errors.scaled(simulated),
+            Distance::ErrorNorm(error) => Ok(DVector::from_element(1, errors.relative_error(simulated)? / error)),
             Distance::Rating(error) => {
                 let rated =
                     recordings.iter().map(|measured| rating::rate(measured, simulated).map(|own| 1.0 - own.overall));

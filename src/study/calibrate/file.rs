@@ -4,7 +4,7 @@
 //! follow from it.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
 use rhai::{Array, Dynamic, Map};
 use serde_json::Value as Json;
@@ -209,13 +209,13 @@ impl StudyFile {
             let tests = self.root.find("test").map_or(&[][..], items);
             let test = || tests.iter().find(is_named).and_then(|test| test.find("scenario"));
             let place = key.or_else(test).unwrap_or(section).span.clone();
-            *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(place);
+            *base::lock(&self.failed) = Some(place);
         })
     }
 
     /// Where the step that failed stands; the beginning of the file where none did.
     pub fn place(&self) -> Span {
-        let failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let failed = base::lock(&self.failed).clone();
         failed.unwrap_or_else(|| Span::line(&self.source, 1))
     }
 }

@@ -107,7 +107,7 @@ impl Fit {
         findings.extend(own.map(Finding::new));
         findings.extend(of_errors(plan, &simulated, share)?.iter().map(Finding::new));
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
-        let Linear { jacobian, at_bounds } = linear(plan, &values, share, host, session, phases)?;
+        let (jacobian, at_bounds) = linear(plan, &values, share, host, session, phases)?;
         let x = plan.coordinates(&values);
         let runs = of_runs(plan, &values, session)?;
         plan.mesh = mesh::Known::new(plan, &jacobian, share, coarse(plan, &runs));
@@ -215,15 +215,7 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
     Ok(found)
 }
 
-/// The end of a search in the linear model.
-struct Linear {
-    /// Derivatives of the residuals by the coordinates.
-    jacobian: DMatrix<f64>,
-    /// The unknowns at a bound.
-    at_bounds: Vec<(usize, Side)>,
-}
-
-/// The linear model at the end of a search.
+/// The linear model at the end of a search: derivatives of the residuals by the coordinates, and the unknowns at a bound.
 fn linear(
     plan: &Plan,
     values: &[f64],
@@ -231,7 +223,7 @@ fn linear(
     host: &SearchHost,
     session: &Session,
     phase: usize,
-) -> HostResult<Linear> {
+) -> HostResult<(DMatrix<f64>, Vec<(usize, Side)>)> {
     let objective = CalibrationObjective::new(plan, share, session);
     let search = plan.search_from(values.to_vec(), false, true)?;
     let labels = Labels { phase: Some(Phase { number: phase, name: "slopes at its end".into() }), ..labels(plan) };
@@ -242,7 +234,7 @@ fn linear(
     for (index, unknown) in plan.unknowns.iter().enumerate() {
         jacobian.column_mut(index).scale_mut(plan.parameter_of(unknown).slope(values[index]));
     }
-    Ok(Linear { jacobian, at_bounds: search.bounds.active(values) })
+    Ok((jacobian, search.bounds.active(values)))
 }
 
 /// What the searches of a calibration came to so far.

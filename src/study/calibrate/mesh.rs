@@ -131,28 +131,23 @@ pub(super) fn add(plan: &mut Plan, simulated: &[Vec<Series>], values: &[f64], se
     check_stop(session)?;
     let (mut warnings, mut change) = (Vec::new(), 0.0_f64);
     for ((test, simulated), runs) in plan.tests.iter_mut().zip(simulated).zip(runs.chunks_exact(2)) {
-        let finer = match &runs[0] {
-            None => continue,
-            Some(Ok(finer)) => finer,
-            Some(Err(cause)) => {
-                warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause: cause.clone() });
-                for signal in &mut test.signals {
-                    signal.errors.set_mesh(None);
-                }
-                continue;
-            }
-        };
+        let Some(finer) = &runs[0] else { continue };
         let coarser = runs[1].as_ref().and_then(|found| found.as_ref().ok());
         for (place, (signal, simulated)) in test.signals.iter_mut().zip(simulated).enumerate() {
             let means = |series: &Series| signal.errors.means(series).map(DVector::from_vec).ok();
-            let (Some(own), Some(finer)) = (means(simulated), means(&finer[place])) else {
-                let cause = format!("its {} ends before the window", signal.name);
-                warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause });
-                signal.errors.set_mesh(None);
-                continue;
-            };
-            let coarser = coarser.and_then(|all| means(&all[place]));
-            change = change.max(signal.errors.set_mesh(Some(MeshError::new(&own, &finer, coarser.as_ref()))));
+            let found = finer.as_ref().map_err(String::clone).and_then(|finer| {
+                let both = means(simulated).zip(means(&finer[place]));
+                let (own, finer) = both.ok_or_else(|| format!("its {} ends before the window", signal.name))?;
+                let coarser = coarser.and_then(|all| means(&all[place]));
+                Ok(MeshError::new(&own, &finer, coarser.as_ref()))
+            });
+            match found {
+                Ok(error) => change = change.max(signal.errors.set_mesh(Some(error))),
+                Err(cause) => {
+                    warnings.push(Warning::MeshNotChecked { test: test.name.clone(), cause });
+                    signal.errors.set_mesh(None);
+                }
+            }
         }
     }
     Ok(Added { warnings, change })

@@ -98,17 +98,12 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
             return Err(refuse!("`{name}` is an empty array: what is known of each specimen"));
         }
     }
-    if map.contains_key("outcome") {
-        let list = several(map.get("outcome"));
-        for one in &list {
-            all.push(match one.to_string().as_str() {
-                "held" => Outcome::Held,
-                "broke" => Outcome::Broke,
-                other => {
-                    return Err(refuse!("`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\""));
-                }
-            });
-        }
+    for one in several(map.get("outcome")) {
+        all.push(match one.to_string().as_str() {
+            "held" => Outcome::Held,
+            "broke" => Outcome::Broke,
+            other => return Err(refuse!("`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\"")),
+        });
     }
     for one in several(map.get("rupture_time")) {
         let (time, error) = with_error(&one, "rupture_time", "time", Time::DIMENSION)?;
@@ -137,8 +132,7 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
             None => counted.push((one, 1)),
         }
     }
-    let all = counted;
-    Ok(Some(Outcomes { study, factors, all }))
+    Ok(Some(Outcomes { study, factors, all: counted }))
 }
 
 /// One value or a list of them.

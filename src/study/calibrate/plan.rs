@@ -41,7 +41,10 @@ pub(super) struct Plan {
     pub(super) correlation: Option<Correlation>,
     /// Scenarios of the tests in the stages before the last, coarser as a rule.
     pub(super) stages: Vec<Vec<Stage>>,
-    pub(super) search: SearchOptions,
+    /// Method, tolerances and limits of its searches.
+    pub(super) search: Search,
+    /// Starts of the first of them.
+    pub(super) starts: usize,
     /// Relative half width of an interval of 95 % up to which a parameter counts as determined.
     pub(super) precision: f64,
     /// Whether a run in which film breaks has a value.
@@ -92,18 +95,6 @@ pub(super) enum Discrepancy {
     Estimated,
 }
 
-/// Options of the search.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SearchOptions {
-    pub(super) method: Method,
-    pub(super) starts: usize,
-    pub(super) max_evaluations: usize,
-    pub(super) tol_x: f64,
-    pub(super) tol_f: f64,
-    pub(super) difference: f64,
-    pub(super) seed: u64,
-}
-
 impl Plan {
     /// Reads the map of `calibrate`.
     pub(super) fn read(given: &Map, scenarios: &Scenarios, session: &Session) -> HostResult<Plan> {
@@ -116,7 +107,7 @@ impl Plan {
         let tests = tests(&options, scenarios, tolerances, session)?;
         let parameters = parameters(&options, &tests)?;
         let unknowns = unknowns(&tests, &parameters)?;
-        let search = SearchOptions::read(&options)?;
+        let (search, starts) = search(&options)?;
         let precision = options.number("precision", 0.2)?;
         if !(precision > 0.0 && precision.is_finite()) {
             let text = format!("`precision` must be a relative half width above zero, such as 0.2, not {precision}");
@@ -135,6 +126,7 @@ impl Plan {
             correlation,
             stages: Vec::new(),
             search,
+            starts,
             precision,
             keeps_ruptured,
             elements,
@@ -193,6 +185,11 @@ impl Plan {
         &self.parameters[unknown.parameter]
     }
 
+    /// The parameter that the unknown of this index is.
+    pub(super) fn parameter_at(&self, index: usize) -> &Parameter {
+        self.parameter_of(&self.unknowns[index])
+    }
+
     /// Coordinates of the unknowns with these values.
     pub(super) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.iter().zip(values).map(|(unknown, value)| self.parameter_of(unknown).coordinate(*value)).collect()
@@ -205,7 +202,7 @@ impl Plan {
 
     /// Indices of the unknowns that act on the runs of a test.
     pub(super) fn acting_on(&self, test: usize) -> Vec<usize> {
-        self.of_test(test).filter(|index| self.parameter_of(&self.unknowns[*index]).role == Role::Key).collect()
+        self.of_test(test).filter(|index| self.parameter_at(*index).role == Role::Key).collect()
     }
 
     /// Indices of the unknowns of a test, those of its outcomes included.
@@ -272,7 +269,7 @@ impl Plan {
         let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
         let mut unknown = Vec::new();
         for index in unknowns {
-            let parameter = self.parameter_of(&self.unknowns[index]);
+            let parameter = self.parameter_at(index);
             if parameter.role != Role::Key {
                 unknown.push((parameter.role, index));
             }
@@ -302,7 +299,7 @@ impl Plan {
     /// The changes of the scenario of a test with these values.
     pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
         let acting = self.acting_on(test).into_iter();
-        parameter::changes(acting.map(|index| (self.parameter_of(&self.unknowns[index]), values[index])))
+        parameter::changes(acting.map(|index| (self.parameter_at(index), values[index])))
     }
 
     /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose
@@ -330,7 +327,7 @@ impl Plan {
     /// The changes of the scenario of a test with these values, break strains included, which its runs do not depend on in a
     /// search.
     pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
-        let own = self.of_test(test).map(|index| (self.parameter_of(&self.unknowns[index]), values[index]));
+        let own = self.of_test(test).map(|index| (self.parameter_at(index), values[index]));
         parameter::changes(own)
     }
 
@@ -368,28 +365,17 @@ impl Plan {
 
     /// The search from a point.
     pub(super) fn search_from(&self, start: Vec<f64>, is_first: bool, is_last: bool) -> HostResult<Search> {
-        let own = &self.search;
         let names: Vec<String> = self.unknowns.iter().map(|unknown| unknown.name.clone()).collect();
         let ends: Vec<[f64; 2]> = self.unknowns.iter().map(|unknown| self.parameter_of(unknown).within).collect();
         let side = |side: usize| Some(ends.iter().map(|ends| ends[side]).collect());
         let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?;
+        let own = self.search.clone();
         let [tol_x, tol_f] = if is_last { [own.tol_x, own.tol_f] } else { [own.tol_x.max(1e-2), own.tol_f.max(1e-3)] };
-        let starts = match is_first && own.starts > 1 {
-            true => Starts::Lowest(own.starts, self.screened()?),
+        let starts = match is_first && self.starts > 1 {
+            true => Starts::Lowest(self.starts, self.screened()?),
             false => Starts::One,
         };
-        Ok(Search {
-            names,
-            bounds,
-            tol_x,
-            tol_f,
-            max_evaluations: own.max_evaluations,
-            max_iterations: own.max_evaluations,
-            difference: own.difference,
-            seed: own.seed,
-            starts,
-            ..Search::new(own.method, start)
-        })
+        Ok(Search { names, bounds, tol_x, tol_f, starts, start, ..own })
     }
 
     /// Points among which starts are chosen, spread over the bounds along the coordinates.
@@ -545,26 +531,28 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
     }
 }
 
-impl SearchOptions {
-    fn read(options: &Options<'_>) -> HostResult<SearchOptions> {
-        let whole = |name: &str, usual: usize| options.whole(name, usual, 1..=100_000);
-        let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
-        let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
-        let method = known.ok_or_else(|| {
-            let names = Method::NAMES.map(|(name, _)| name).join(", ");
-            refuse_key("method", &format!("unknown method `{method}` (there are {names})"), None)
-        })?;
-        Ok(SearchOptions {
-            method,
-            // Several starts cost a search by differences little, and tell local minima.
-            starts: whole("starts", if method == Method::LevenbergMarquardt { 3 } else { 1 })?,
-            max_evaluations: whole("max_evaluations", 800)?,
-            tol_x: options.number("tol_x", 1e-4)?,
-            tol_f: options.number("tol_f", 1e-4)?,
-            difference: options.number("difference", 0.01)?,
-            seed: options.whole("seed", 1, SEEDS)? as u64,
-        })
-    }
+/// Method, tolerances and limits of the searches, and the starts of the first.
+fn search(options: &Options<'_>) -> HostResult<(Search, usize)> {
+    let whole = |name: &str, usual: usize| options.whole(name, usual, 1..=100_000);
+    let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
+    let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
+    let method = known.ok_or_else(|| {
+        let names = Method::NAMES.map(|(name, _)| name).join(", ");
+        refuse_key("method", &format!("unknown method `{method}` (there are {names})"), None)
+    })?;
+    // Several starts cost a search by differences little, and tell local minima.
+    let starts = whole("starts", if method == Method::LevenbergMarquardt { 3 } else { 1 })?;
+    let most = whole("max_evaluations", 800)?;
+    let search = Search {
+        max_evaluations: most,
+        max_iterations: most,
+        tol_x: options.number("tol_x", 1e-4)?,
+        tol_f: options.number("tol_f", 1e-4)?,
+        difference: options.number("difference", 0.01)?,
+        seed: options.whole("seed", 1, SEEDS)? as u64,
+        ..Search::new(method, Vec::new())
+    };
+    Ok((search, starts))
 }
 
 /// The model's error that an option gives: a share, a map of share and correlation, or "estimated".

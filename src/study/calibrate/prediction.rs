@@ -16,6 +16,7 @@ use super::warning::Warning;
 use crate::post::{self, Run, is_known, is_result};
 use crate::scenario_functions::Study;
 use crate::script::{HostResult, Row, Session, cause, check_stop, refuse};
+use base::diagnostic::did_you_mean;
 use lab::signal::Series;
 use plot::{Curve, Look, Plot};
 use uncertainty::normal::{cumulative, quantile};
@@ -206,13 +207,11 @@ impl Asked {
 
     /// Whether the runs have the figures that are asked for.
     fn check(&self, runs: &[(Run, f64)]) -> HostResult<()> {
-        for name in self.names() {
-            if runs.iter().any(|(run, _)| number(run, name).is_some()) {
-                continue;
-            }
-            return Err(no_figure(name, runs[0].0.summary().keys().map(String::as_str)));
+        let is_missing = |name: &&String| !runs.iter().any(|(run, _)| number(run, name).is_some());
+        match self.names().find(is_missing) {
+            None => Ok(()),
+            Some(name) => Err(no_figure(name, runs[0].0.summary().keys().map(String::as_str))),
         }
-        Ok(())
     }
 
     /// Values of a figure, each with the deviation that its model's error gives it.
@@ -223,9 +222,10 @@ impl Asked {
 }
 
 fn no_figure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Box<rhai::EvalAltResult> {
-    refuse(match base::diagnostic::closest(name, known) {
-        Some(close) => format!("no run has a figure `{name}` (did you mean `{close}`?)"),
-        None => format!("no run has a figure `{name}`: `droptower explain figures` lists those of all runs"),
+    let all = "`droptower explain figures` lists those of all runs";
+    refuse(match did_you_mean(name, known) {
+        Some(hint) => format!("no run has a figure `{name}` ({hint})"),
+        None => format!("no run has a figure `{name}`: {all}"),
     })
 }
 

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic, EvalAltResult, Map};
 use super::distance::Distance;
 use nalgebra::{DVector, Matrix2};
 
-use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, SignalError, Spectrum};
+use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, Spectrum};
 use super::outcome::{self, Outcomes};
 use super::parameter::texts;
 use super::pulled;
@@ -337,7 +337,7 @@ impl Reading<'_> {
         Ok(Signal { name: column.short, column, over: self.over, recordings, errors, distance: self.distance })
     }
 
-    fn of_column(&self, column: &Column, error: &SignalError) -> Box<EvalAltResult> {
+    fn of_column(&self, column: &Column, error: &str) -> Box<EvalAltResult> {
         (self.in_test)(format!("{}: {error}", column.short))
     }
 }
@@ -384,15 +384,11 @@ impl Signal {
 
     /// Takes the errors of its recordings' contacts as errors of its differences, by the simulated signal and by that of an
     /// impactor which is faster by so much.
-    pub(super) fn add_contact(
-        &mut self,
-        simulated: &Series,
-        faster: Option<(&Series, f64)>,
-    ) -> Result<(), SignalError> {
+    pub(super) fn add_contact(&mut self, simulated: &Series, faster: Option<(&Series, f64)>) -> Result<(), String> {
         if self.errors.contact_errors() == [false; 2] {
             return Ok(());
         }
-        let of_speed = faster.map(|(faster, by)| -> Result<DVector<f64>, SignalError> {
+        let of_speed = faster.map(|(faster, by)| -> Result<DVector<f64>, String> {
             let [own, faster] = [simulated, faster].map(|series| self.errors.means(series).map(DVector::from_vec));
             let mut change = (faster? - own?) / by;
             if self.column.short == column::DISPLACEMENT.short {
@@ -567,8 +563,8 @@ pub(super) fn found_column(name: &str) -> Result<&'static Column, String> {
     let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, own)| *own);
     let found = COLUMNS.iter().find(|column| column.short == name);
     let shorts = || COLUMNS.iter().map(|column| column.short);
-    found.ok_or_else(|| match base::diagnostic::closest(name, shorts()) {
-        Some(close) => format!("there is no signal `{name}` (did you mean `{close}`?)"),
+    found.ok_or_else(|| match base::diagnostic::did_you_mean(name, shorts()) {
+        Some(hint) => format!("there is no signal `{name}` ({hint})"),
         None => format!("there is no signal `{name}`"),
     })
 }

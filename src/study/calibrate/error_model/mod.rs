@@ -10,13 +10,12 @@ mod tests;
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use base::number::significant;
 use lab::signal::Series;
 use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
 use rayon::prelude::*;
-use thiserror::Error;
 
 use super::mesh::MeshError;
 
@@ -131,18 +130,14 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Why a signal cannot be compared.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub(super) enum SignalError {
-    /// The recording has too few samples in the window.
-    #[error("the recording has {found} samples from {from} to {to}; at least {FEWEST_BINS} are needed")]
-    TooFew { found: usize, from: f64, to: f64 },
-    /// A signal has a gap.
-    #[error("the {of} has no value between {from} and {to}")]
-    Gap { of: &'static str, from: f64, to: f64 },
-    /// The recording is zero throughout.
-    #[error("the recording is zero from {from} to {to}")]
-    Zero { from: f64, to: f64 },
+/// Why a signal cannot be compared: the recording has too few samples in the window.
+fn too_few(found: usize, from: f64, to: f64) -> String {
+    format!("the recording has {found} samples from {from} to {to}; at least {FEWEST_BINS} are needed")
+}
+
+/// A signal has a gap.
+fn gap(of: &str, from: f64, to: f64) -> String {
+    format!("the {of} has no value between {from} and {to}")
 }
 
 /// A recording in its window.
@@ -157,10 +152,10 @@ pub(super) struct Recorded {
 
 impl Recorded {
     /// One whose contact has no error.
-    pub(super) fn new(series: &Series, window: [f64; 2], class: Option<f64>) -> Result<Recorded, SignalError> {
+    pub(super) fn new(series: &Series, window: [f64; 2], class: Option<f64>) -> Result<Recorded, String> {
         let series = series.window(window);
         if series.is_empty() {
-            return Err(SignalError::TooFew { found: 0, from: window[0], to: window[1] });
+            return Err(too_few(0, window[0], window[1]));
         }
         Ok(Recorded { series, class, contact: Matrix2::zeros() })
     }
@@ -192,7 +187,7 @@ impl Recorded {
     }
 
     /// Standard deviation of the noise of a mean over one of so many bins.
-    fn noise(&self, bins: f64) -> Result<f64, SignalError> {
+    fn noise(&self, bins: f64) -> Result<f64, String> {
         let [from, to] = self.ends();
         let (fine, factor) = self.fine(bins);
         Ok(third_difference(&means(&self.series, &edges(from, to, fine), "recording")?) * factor.sqrt())
@@ -279,7 +274,7 @@ impl Spectrum {
 
 impl ErrorModel {
     /// Of the recordings of one signal of a test; of several, each mean over a bin is that of the recordings that have the bin.
-    pub(super) fn new(recordings: &[Recorded], noise: Noise, shape: Shape) -> Result<ErrorModel, SignalError> {
+    pub(super) fn new(recordings: &[Recorded], noise: Noise, shape: Shape) -> Result<ErrorModel, String> {
         let ends = recordings.iter().map(Recorded::ends);
         let [from, to] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [from, to]| [a.min(from), b.max(to)]);
         // As many bins as the coarsest recording has in its part of the window.
@@ -290,7 +285,7 @@ impl ErrorModel {
         let bins = recordings.iter().map(bins_of).fold(MOST_BINS as f64, f64::min) as usize;
         let shortest = recordings.iter().map(|own| own.series.len()).min().unwrap_or(0);
         if bins < FEWEST_BINS || shortest <= FEWEST_BINS {
-            return Err(SignalError::TooFew { found: shortest, from, to });
+            return Err(too_few(shortest, from, to));
         }
         let edges = edges(from, to, bins);
         let step = (to - from) / bins as f64;
@@ -311,12 +306,12 @@ impl ErrorModel {
             }
         }
         if let Some(bin) = (0..bins).find(|bin| counts[*bin] == 0.0) {
-            return Err(SignalError::Gap { of: "recording", from: edges[bin], to: edges[bin + 1] });
+            return Err(gap("recording", edges[bin], edges[bin + 1]));
         }
         let measured: Vec<f64> = sums.iter().zip(&counts).map(|(sum, count)| sum / count).collect();
         let level = root_mean_square(&measured);
         if level <= 0.0 {
-            return Err(SignalError::Zero { from, to });
+            return Err(format!("the recording is zero from {from} to {to}"));
         }
         let least = LEAST_NOISE * level;
         let fine = (noise == Noise::FromRecording).then(|| {
@@ -399,10 +394,10 @@ impl ErrorModel {
         let before = self.mesh.as_ref().map_or_else(none, |own| own.correction.clone());
         let error = error.filter(|error| error.correction.norm() > LEAST_NOISE * self.measured.norm());
         let change = error.as_ref().map_or_else(none, |own| own.correction.clone()) - before;
-        let over: Vec<f64> = change.iter().zip(self.noises()).map(|(own, noise)| own / noise).collect();
+        let over = self.over_noise(&change);
         self.mesh = error;
         self.spectrum = self.spectrum_of(self.shape);
-        root_mean_square(&over)
+        root_mean_square(over.as_slice())
     }
 
     /// The order at which the signal converges with its elements.
@@ -412,15 +407,12 @@ impl ErrorModel {
 
     /// The correction for the elements, and what it is uncertain by, as residuals.
     pub(super) fn whitened_mesh(&self, share: f64) -> Option<[DVector<f64>; 2]> {
-        let residuals = |own: &DVector<f64>| {
-            let scaled = own.iter().zip(self.noises()).map(|(own, noise)| own / noise);
-            DVector::from_vec(self.whitened(&DVector::from_iterator(self.bins(), scaled), share))
-        };
+        let residuals = |own: &DVector<f64>| DVector::from_vec(self.whitened(&self.over_noise(own), share));
         self.mesh.as_ref().map(|own| [&own.correction, &own.remainder].map(residuals))
     }
 
     /// Differences of the means of a simulated signal, corrected for its elements, from the measured ones.
-    fn difference(&self, simulated: &Series) -> Result<DVector<f64>, SignalError> {
+    fn difference(&self, simulated: &Series) -> Result<DVector<f64>, String> {
         let difference = DVector::from_vec(self.means(simulated)?) - &self.measured;
         Ok(match &self.mesh {
             Some(own) => difference + &own.correction,
@@ -439,7 +431,7 @@ impl ErrorModel {
         &mut self,
         later: impl Fn(f64) -> Series,
         of_speed: Option<DVector<f64>>,
-    ) -> Result<(), SignalError> {
+    ) -> Result<(), String> {
         let deviation = self.contact.map_diagonal(f64::sqrt);
         let mut factor = Matrix2::zeros();
         let of_speed = of_speed.filter(|_| deviation[1] > 0.0).unwrap_or_else(|| DVector::zeros(self.bins()));
@@ -465,15 +457,13 @@ impl ErrorModel {
     pub(super) fn contact_found(&self, scaled: &DVector<f64>, share: f64) -> Vector2<f64> {
         let whitened = DVector::from_vec(self.whitened(scaled, share));
         let of_part = |(error, own): &(Vector2<f64>, DVector<f64>)| {
-            let own =
-                DVector::from_iterator(self.bins(), own.iter().zip(self.noises()).map(|(own, noise)| own / noise));
-            error * DVector::from_vec(self.whitened(&own, share)).dot(&whitened)
+            error * DVector::from_vec(self.whitened(&self.over_noise(own), share)).dot(&whitened)
         };
         self.of_contact.iter().map(of_part).sum()
     }
 
     /// Takes the roughness of a simulated signal, which contact makes, as noise beside that of the recordings.
-    pub(super) fn add_roughness(&mut self, simulated: &Series) -> Result<(), SignalError> {
+    pub(super) fn add_roughness(&mut self, simulated: &Series) -> Result<(), String> {
         self.simulated = third_difference(&self.means(simulated)?);
         self.spectrum = self.spectrum_of(self.shape);
         Ok(())
@@ -516,6 +506,11 @@ impl ErrorModel {
         self.recorded.iter().map(|own| own.hypot(self.simulated))
     }
 
+    /// Differences over these.
+    fn over_noise(&self, differences: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.bins(), differences.iter().zip(self.noises()).map(|(own, noise)| own / noise))
+    }
+
     /// Root mean square of these.
     pub(super) fn noise(&self) -> f64 {
         root_mean_square(&self.noises().collect::<Vec<_>>())
@@ -527,18 +522,17 @@ impl ErrorModel {
     }
 
     /// Means of a simulated signal over the bins.
-    pub(super) fn means(&self, simulated: &Series) -> Result<Vec<f64>, SignalError> {
+    pub(super) fn means(&self, simulated: &Series) -> Result<Vec<f64>, String> {
         means(simulated, &self.edges, "simulated signal")
     }
 
     /// Differences of the means of a simulated signal from the measured ones, each over the noise.
-    pub(super) fn scaled(&self, simulated: &Series) -> Result<DVector<f64>, SignalError> {
-        let difference = self.difference(simulated)?;
-        Ok(DVector::from_iterator(self.bins(), difference.iter().zip(self.noises()).map(|(own, noise)| own / noise)))
+    pub(super) fn scaled(&self, simulated: &Series) -> Result<DVector<f64>, String> {
+        Ok(self.over_noise(&self.difference(simulated)?))
     }
 
     /// ‖simulated − measured‖/‖measured‖ over the bins.
-    pub(super) fn relative_error(&self, simulated: &Series) -> Result<f64, SignalError> {
+    pub(super) fn relative_error(&self, simulated: &Series) -> Result<f64, String> {
         Ok(self.difference(simulated)?.norm() / self.measured.norm())
     }
 
@@ -573,7 +567,7 @@ fn decomposed(shape: Shape, bins: usize, bin: f64) -> Arc<Decomposed> {
     /// Most that are kept.
     const MOST: usize = 256;
     static KNOWN: Mutex<BTreeMap<(u8, usize, u64), Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
-    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = || base::lock(&KNOWN);
     // Lengths that are shares of windows differ by rounding.
     let key = (shape.order, bins, (1e9 * bin).round() as u64);
     if let Some(found) = known().get(&key) {
@@ -648,9 +642,8 @@ pub(super) fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// Means of a series between neighbouring edges, linear between samples.
-fn means(series: &Series, edges: &[f64], of: &'static str) -> Result<Vec<f64>, SignalError> {
+fn means(series: &Series, edges: &[f64], of: &str) -> Result<Vec<f64>, String> {
     let (time, values) = (series.time(), series.values());
-    let gap = |from: f64, to: f64| SignalError::Gap { of, from, to };
     let mean = |bin: &[f64]| {
         let [from, to] = [bin[0], bin[1]];
         // Where rounding puts the last edge behind the last sample, that sample counts.
@@ -658,7 +651,7 @@ fn means(series: &Series, edges: &[f64], of: &'static str) -> Result<Vec<f64>, S
             let inside = place.clamp(*time.first()?, *time.last()?);
             ((inside - place).abs() <= 1e-9 * (to - from)).then(|| series.value_at(inside))?
         };
-        let ends = at(from).zip(at(to)).ok_or_else(|| gap(from, to))?;
+        let ends = at(from).zip(at(to)).ok_or_else(|| gap(of, from, to))?;
         let start = time.partition_point(|t| *t <= from);
         let end = time.partition_point(|t| *t < to).max(start);
         let (mut sum, mut before) = (0.0, (from, ends.0));
@@ -667,7 +660,7 @@ fn means(series: &Series, edges: &[f64], of: &'static str) -> Result<Vec<f64>, S
             before = next;
         }
         let mean = sum / (to - from);
-        if mean.is_finite() { Ok(mean) } else { Err(gap(from, to)) }
+        if mean.is_finite() { Ok(mean) } else { Err(gap(of, from, to)) }
     };
     edges.windows(2).map(mean).collect()
 }

@@ -155,7 +155,7 @@ impl ensemble::Density for Density<'_> {
     fn log_of_block(&self, block: usize, state: &[f64]) -> f64 {
         let mut sum = 0.0;
         for own in &self.layout.blocks[block] {
-            let [low, high] = self.plan.parameter_of(&self.plan.unknowns[own.mean]).ends();
+            let [low, high] = self.plan.parameter_at(own.mean).ends();
             let logarithm = state[own.deviation];
             let standard = |x: f64| (x - state[own.mean]) / logarithm.exp();
             if !(low..=high).contains(&state[own.place]) {
@@ -250,7 +250,7 @@ impl Beginning {
 /// once.
 fn jacobian([searched, joint]: [&Plan; 2], fit: &Fit, places: &[Vec<usize>]) -> DMatrix<f64> {
     let with_prior = |plan: &Plan| -> Vec<usize> {
-        (0..plan.unknowns.len()).filter(|index| plan.parameter_of(&plan.unknowns[*index]).prior.is_some()).collect()
+        (0..plan.unknowns.len()).filter(|index| plan.parameter_at(*index).prior.is_some()).collect()
     };
     let of_tests = fit.jacobian.nrows() - with_prior(searched).len();
     let priors = with_prior(joint);

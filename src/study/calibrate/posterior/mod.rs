@@ -3,7 +3,7 @@
 mod density;
 mod surrogate;
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -159,7 +159,7 @@ impl Posterior {
             let state = &self.states[(place * self.states.len()) / count];
             let mut x = state[..self.layout.unknowns].to_vec();
             for own in &self.layout.scattered {
-                let ends = plan.parameter_of(&plan.unknowns[own.unknown]).ends();
+                let ends = plan.parameter_at(own.unknown).ends();
                 x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
             Draw { x, share: self.layout.share(state, plan), breaks: [stream.normal(), stream.normal()] }
@@ -172,7 +172,7 @@ impl Posterior {
         let plan = &*self.plan;
         let side = |index: usize| {
             let own: Vec<f64> = self.states.iter().map(|state| state[index]).collect();
-            let [low, high] = plan.parameter_of(&plan.unknowns[index]).ends();
+            let [low, high] = plan.parameter_at(index).ends();
             let near = AT_BOUND * (high - low);
             let interval = quantiles(&own, &[0.025, 0.975])?;
             match (interval[0] - low < near, high - interval[1] < near) {
@@ -188,7 +188,7 @@ impl Posterior {
     /// results, the samples, R̂ and effective size of each.
     pub(super) fn beside_unknowns(&self) -> impl Iterator<Item = (String, Vec<f64>, [f64; 2])> + '_ {
         (self.layout.unknowns..self.layout.len()).map(|place| {
-            let parameter = self.layout.specimen(place).map(|index| self.plan.parameter_of(&self.plan.unknowns[index]));
+            let parameter = self.layout.specimen(place).map(|index| self.plan.parameter_at(index));
             let value = |coordinate: f64| parameter.map_or_else(|| coordinate.exp(), |own| own.value(coordinate));
             let samples = self.states.iter().map(|state| value(state[place])).collect();
             (self.layout.name(place, &self.plan), samples, [self.r_hat[place], self.effective[place]])
@@ -300,7 +300,7 @@ impl Sampling<'_> {
             let covariance = self.tempered(from, Some(test).filter(|_| !self.layout.scattered.is_empty()));
             let side = |sign: f64| {
                 let end = |index: &usize| {
-                    let [low, high] = self.plan.parameter_of(&self.plan.unknowns[*index]).ends();
+                    let [low, high] = self.plan.parameter_at(*index).ends();
                     (from.in_tests[test][*index] + sign * FIRST_REGION * covariance[(*index, *index)].sqrt())
                         .clamp(low, high)
                 };
@@ -345,7 +345,7 @@ impl Sampling<'_> {
             match self.plan.tests[test].study.with(changes, self.session) {
                 Ok(_) => true,
                 Err(error) => {
-                    let mut refused = self.refused[test].lock().unwrap_or_else(PoisonError::into_inner);
+                    let mut refused = base::lock(&self.refused[test]);
                     refused.get_or_insert_with(|| cause(&error));
                     false
                 }
@@ -380,14 +380,14 @@ impl Sampling<'_> {
     }
 
     fn refusal(&self, test: usize) -> Option<String> {
-        self.refused[test].lock().unwrap_or_else(PoisonError::into_inner).clone()
+        base::lock(&self.refused[test]).clone()
     }
 
     /// Values of all unknowns at a point of a test.
     fn values_at(&self, test: usize, point: &[f64]) -> Vec<f64> {
         let mut values = self.plan.start();
         for (index, coordinate) in self.acting[test].iter().zip(point) {
-            values[*index] = self.plan.parameter_of(&self.plan.unknowns[*index]).value(*coordinate);
+            values[*index] = self.plan.parameter_at(*index).value(*coordinate);
         }
         values
     }
@@ -453,7 +453,7 @@ impl Sampling<'_> {
         };
         // Within the bounds, and within the region of every test on which an unknown acts.
         let inside = |index: usize, tests: &[usize]| {
-            let [mut low, mut high] = self.plan.parameter_of(&self.plan.unknowns[index]).ends();
+            let [mut low, mut high] = self.plan.parameter_at(index).ends();
             for test in tests {
                 if let Some(place) = self.acting[*test].iter().position(|own| *own == index) {
                     (low, high) = (low.max(regions[*test].low[place]), high.min(regions[*test].high[place]));
@@ -585,7 +585,7 @@ impl Sampling<'_> {
 
     /// Whether a region, and no bound, ends the range of an unknown that acts on a test below and above.
     fn cut(&self, test: usize, place: usize, [from, to]: [f64; 2], region: &Region) -> [bool; 2] {
-        let [low, high] = self.plan.parameter_of(&self.plan.unknowns[self.acting[test][place]]).ends();
+        let [low, high] = self.plan.parameter_at(self.acting[test][place]).ends();
         let near = NEAR * (region.high[place] - region.low[place]);
         let (below, above) = (region.low[place], region.high[place]);
         [from - below < near && below > low, above - to < near && above < high]
@@ -595,7 +595,7 @@ impl Sampling<'_> {
     fn regions(&self, samples: &Samples, last: &[Region]) -> Vec<Region> {
         let region = |test: usize| {
             let ends = self.ranges(samples, test).into_iter().enumerate().map(|(place, [from, to])| {
-                let [low, high] = self.plan.parameter_of(&self.plan.unknowns[self.acting[test][place]]).ends();
+                let [low, high] = self.plan.parameter_at(self.acting[test][place]).ends();
                 let range = (to - from).max(1e-6 * (high - low));
                 let beyond =
                     self.cut(test, place, [from, to], &last[test]).map(|is_cut| if is_cut { CUT } else { BEYOND });
