@@ -15,3 +15,10 @@ pub mod budget;
 pub mod periodic;
 pub mod table;
 pub mod removed;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Locks what is shared, also where a thread panicked with it: no change is half done where one may.
+pub fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}

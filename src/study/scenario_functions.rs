@@ -360,26 +360,20 @@ fn across(options: &Options<'_>) -> HostResult<Across> {
 
 /// What scripts call what holds a single element across.
 pub(crate) fn across_named(name: &str) -> Option<Across> {
-    match name {
-        "held" => Some(Across::Held),
-        "free" => Some(Across::Free),
-        "strip" => Some(Across::Strip),
-        "equal" => Some(Across::Equal),
-        _ => None,
-    }
+    let all = [("held", Across::Held), ("free", Across::Free), ("strip", Across::Strip), ("equal", Across::Equal)];
+    all.into_iter().find(|(own, _)| *own == name).map(|(_, across)| across)
 }
 
 /// Points of a curve of a fabric, with the origin: strain, stress (Pa).
 fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
     let curve = match (law, name) {
-        (Law::Elastic(_) | Law::TensionField(_), _) => {
-            return Err(refuse("an elastic film has no curves; only a fabric has md, td and shear"));
-        }
-        (Law::Hyperelastic(_), _) => {
-            return Err(refuse("a hyperelastic film has no curves; only a fabric has md, td and shear"));
-        }
-        (Law::Plastic(_), _) => {
-            return Err(refuse("a plastic film has no curves; only a fabric has md, td and shear"));
+        (Law::Elastic(_) | Law::TensionField(_) | Law::Hyperelastic(_) | Law::Plastic(_), _) => {
+            let film = match law {
+                Law::Hyperelastic(_) => "a hyperelastic",
+                Law::Plastic(_) => "a plastic",
+                _ => "an elastic",
+            };
+            return Err(refuse!("{film} film has no curves; only a fabric has md, td and shear"));
         }
         (Law::Fabric(fabric), "md") => Some(fabric.md()),
         (Law::Fabric(fabric), "td") => Some(fabric.td()),
@@ -535,7 +529,7 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
     let shear_by: Option<ShearMethod> =
         more.map.get("shear_by").map(|method| method.to_string().parse()).transpose().map_err(refuse)?;
     let shear_by = shear_by.unwrap_or_default();
-    let elastic_corner = more.map.get("elastic_corner").map(|_| more.needed_number("elastic_corner")).transpose()?;
+    let elastic_corner = more.optional_number("elastic_corner")?;
     let reduction = &reduced.0;
     let material =
         CouponMaterial { reduction, coupon, density, shear_file: &shear_file, elastic_corner, shear_by, shear: None };

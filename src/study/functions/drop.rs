@@ -57,8 +57,7 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
         "guide_friction",
     ])?;
     let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
-    let given = |name: &str| about.map.contains_key(name).then(|| about.needed_number(name)).transpose();
-    let tower = Tower { body, height: given("height")? };
+    let tower = Tower { body, height: about.optional_number("height")? };
     let Bridged { series: acceleration, warning: bridged } = bridged(acceleration, about)?;
     let class = match about.map.get("class") {
         None => Class::OfRate,
@@ -68,11 +67,11 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
     let reduction = Reduction {
         correction: correction(about)?,
         class,
-        speed: given("speed")?,
-        speed_error: given("speed_error")?,
-        contact_time: given("contact_time")?,
-        contact_error: given("contact_error")?,
-        height_error: given("height_error")?,
+        speed: about.optional_number("speed")?,
+        speed_error: about.optional_number("speed_error")?,
+        contact_time: about.optional_number("contact_time")?,
+        contact_error: about.optional_number("contact_error")?,
+        height_error: about.optional_number("height_error")?,
         guide_friction: about.map.get("guide_friction").map(window).transpose()?,
     };
     let mut drop = drop::reduce(&acceleration, laser, &tower, &reduction).map_err(refuse)?;
@@ -82,7 +81,7 @@ fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) ->
 
 /// The acceleration without the gaps that `bridge` and `mask` name.
 fn bridged(acceleration: &Series, about: &Options<'_>) -> HostResult<Bridged> {
-    let longest = about.map.get("bridge").map(|_| about.needed_number("bridge")).transpose()?;
+    let longest = about.optional_number("bridge")?;
     let masks = about.map.get("mask").map_or_else(|| Ok(Vec::new()), masks)?;
     if longest.is_none() && masks.is_empty() {
         return Ok(Bridged { series: acceleration.clone(), warning: None });
@@ -107,11 +106,7 @@ fn masks(value: &Dynamic) -> HostResult<Vec<[f64; 2]>> {
 fn correction(about: &Options<'_>) -> HostResult<Correction> {
     let name = about.map.get("correction").map(Dynamic::to_string);
     match name.as_deref() {
-        None | Some("coupling") => {
-            let given = about.map.contains_key("time_constant");
-            let time_constant = given.then(|| about.needed_number("time_constant")).transpose()?;
-            Ok(Correction::Coupling { time_constant })
-        }
+        None | Some("coupling") => Ok(Correction::Coupling { time_constant: about.optional_number("time_constant")? }),
         Some("ramp") => Ok(Correction::Ramp),
         Some(other) => Err(refuse!("expected \"coupling\" or \"ramp\" for the correction, found {other}")),
     }

@@ -120,7 +120,7 @@ fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
         None => vec![],
     };
     let weighting = options.get("residual").map(|word| word.to_string().parse()).transpose().map_err(refuse)?;
-    let stable_to = options.get("stable_to").map(|_| given.needed_number("stable_to")).transpose()?;
+    let stable_to = given.optional_number("stable_to")?;
     let options = FitOptions { weighting: weighting.unwrap_or_default(), stable_to };
     let law = law.parse().map_err(refuse)?;
     let fit = fit_law(law, &sets, &predicted, &options).map_err(|error| refuse_hinted(&error, error.hint()))?;

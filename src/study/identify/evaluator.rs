@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 use std::thread;
 
 use nalgebra::{DMatrix, DVector};
@@ -213,7 +213,7 @@ impl Evaluator<'_> {
     }
 
     fn known(&self) -> MutexGuard<'_, HashMap<Vec<u64>, Evaluation>> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.known)
     }
 }
 
@@ -325,10 +325,8 @@ fn difference(linearization: &Linearization, x: &[f64], there: Vec<f64>) -> Resu
 
 /// Steps up and down that stay within the bounds; at least one does.
 fn steps(search: &Search, index: usize) -> [Option<f64>; 2] {
-    let x = search.start[index];
-    let [lower, upper] = search.bounds.pairs().nth(index).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let size = if x == 0.0 { 1.0 } else { x.abs() };
-    let step = (search.difference * size).min(0.25 * (upper - lower));
+    let (x, [lower, upper]) = (search.start[index], search.bounds.pair(index));
+    let step = search.step(index, x);
     let within = |step: &f64| (lower..=upper).contains(&(x + step));
     [Some(step).filter(within), Some(-step).filter(within)]
 }

@@ -115,6 +115,14 @@ impl Search {
         }
     }
 
+    /// Step of the difference of an unknown that is `x`: within narrow bounds one of the usual size would leave them on the other
+    /// side.
+    pub(crate) fn step(&self, index: usize, x: f64) -> f64 {
+        let [lower, upper] = self.bounds.pair(index);
+        let size = if x == 0.0 { 1.0 } else { x.abs() };
+        (self.difference * size).min(0.25 * (upper - lower))
+    }
+
     /// Checks ranges, bounds and starts.
     ///
     /// # Errors
@@ -230,6 +238,11 @@ impl Bounds {
         self.lower.iter().zip(&self.upper).map(|(lower, upper)| [*lower, *upper])
     }
 
+    /// Lower and upper bound of one unknown.
+    pub(super) fn pair(&self, index: usize) -> [f64; 2] {
+        [self.lower[index], self.upper[index]]
+    }
+
     /// Whether every unknown has both bounds.
     pub fn are_all(&self) -> bool {
         self.pairs().flatten().all(f64::is_finite)
@@ -242,7 +255,7 @@ impl Bounds {
     pub fn check(&self, x: &[f64], names: &[String]) -> Result<(), SearchError> {
         let outside = x.iter().zip(self.pairs()).position(|(x, [lower, upper])| *x < lower || *x > upper);
         outside.map_or(Ok(()), |index| {
-            let [lower, upper] = [self.lower[index], self.upper[index]];
+            let [lower, upper] = self.pair(index);
             let (unknown, value) = (&names[index], x[index]);
             Err(refused!("the start lies outside the bounds: {unknown} = {value}, which may be {lower} to {upper}"))
         })

@@ -1,7 +1,7 @@
 //! A search: one method from one or several starts, its iterations and its result.
 
 use super::evaluator::Evaluator;
-use super::method::{Failures, SearchContext, Trials, cma_es, falls_beyond, levenberg_marquardt, nelder_mead};
+use super::method::{SearchContext, Tally, Trials, cma_es, falls_beyond, levenberg_marquardt, nelder_mead};
 use super::objective::{Evaluation, SearchError, refused};
 use super::options::{Method, Point, Search, Starts};
 use super::warning::Warning;
@@ -20,7 +20,7 @@ pub fn minimize(
 ) -> Result<SearchResult, SearchError> {
     let mut results = Vec::new();
     let mut warnings = Vec::new();
-    let mut failures = Failures::default();
+    let mut tally = Tally::default();
     let mut left_out = Vec::new();
     let (starts, screened) = all_starts(search, evaluator)?;
     for (number, start) in starts.into_iter().enumerate() {
@@ -49,10 +49,10 @@ pub fn minimize(
             true => StartResult { converged: false, reason: ON_BOUND.into(), ..result },
             false => result,
         });
-        failures.add(trials.failures());
+        tally.add(trials.tally());
     }
     warnings.extend(left_out_starts(search, left_out));
-    warnings.extend(failures.warning(search));
+    warnings.extend(tally.warning(search));
     let Some(best) = results.iter().min_by(|a, b| a.f.total_cmp(&b.f)).cloned() else {
         return Err(refused!("there is no start"));
     };

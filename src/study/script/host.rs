@@ -1,7 +1,7 @@
 //! The interpreter with its limits, within which untrusted scripts are safe to run.
 
 use std::panic::resume_unwind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use rhai::packages::{
     ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage, BasicMapPackage, BasicMathPackage,
     BasicStringPackage, LogicPackage, MoreStringPackage, Package,
 };
-use rhai::{AST, Dynamic, Engine, EvalAltResult, OptimizationLevel, Scope, Token, TokenizeState};
+use rhai::{Dynamic, Engine, OptimizationLevel, Scope, Token, TokenizeState};
 
 use super::fault::TooLarge;
 use super::module::{self, Finder, LONGEST_SCRIPT, Resolver, SourceText, Unit};
@@ -160,22 +160,9 @@ impl Script {
         let source = SourceText::new(path, text);
         let compiled = engine.compile_with_scope(scope, text);
         let program = compiled.map_err(|error| vec![Fault::parsing(&source, &error)])?;
-        Script::link(engine, path.into(), source, program)
-    }
-
-    /// The script `program` with the modules that are found beside the file `place`.
-    ///
-    /// # Errors
-    /// As of [`Script::compile`], but for the syntax of the script.
-    pub(super) fn link(
-        engine: &Engine,
-        place: PathBuf,
-        source: SourceText,
-        program: AST,
-    ) -> Result<Script, Vec<Fault>> {
         let session = Session::of_engine(engine);
         let (shipped, reads_files) = session.modules();
-        let finder = Finder { script: place, shipped, reads_files };
+        let finder = Finder { script: path.into(), shipped, reads_files };
         let units = module::load(engine, &finder, source, program)?;
         let mut faults = checks::undefined_calls(engine, &units);
         faults.extend(checks::unknown_fields(&session.fields(), &units));
@@ -236,19 +223,10 @@ impl Script {
     fn value(&self, engine: &Engine, scope: &mut Scope<'static>) -> Result<Dynamic, Fault> {
         let session = Session::of_engine(engine);
         session.programs().install(&self.units);
-        self.interpret(engine, &session, || engine.eval_ast_with_scope(scope, &self.units[0].program))
-    }
-
-    /// Does `work`, the interpreter's: what it makes counts, and a panic is a fault at the call of the host that was last.
-    fn interpret(
-        &self,
-        engine: &Engine,
-        session: &Session,
-        work: impl FnOnce() -> Result<Dynamic, Box<EvalAltResult>>,
-    ) -> Result<Dynamic, Fault> {
+        // What it makes counts, and a panic is a fault at the call of the host that was last.
+        let work = || engine.eval_ast_with_scope(scope, &self.units[0].program);
         let caught = || session::catch(session.cancellation(), || session.last_call(), work);
-        let result = session.budget().count(caught);
-        result.map_err(|error| Fault::running(engine, &self.units, &error))
+        session.budget().count(caught).map_err(|error| Fault::running(engine, &self.units, &error))
     }
 
     /// The interpreter recurses into nested values, so its stack is large enough for the deepest nesting within the

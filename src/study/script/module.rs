@@ -9,15 +9,15 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::Error;
 use crate::script::{Fault, checks};
 use base::diagnostic::{closest, shown_path};
 use base::file;
 use rhai::{
-    AST, ASTFlags, Engine, EvalAltResult, Expr, FnNamespace, GlobalRuntimeState, Ident, Module, ModuleResolver,
-    Position, Scope, Shared, Stmt,
+    AST, ASTFlags, Engine, EvalAltResult, Expr, FnNamespace, GlobalRuntimeState, Module, ModuleResolver, Position,
+    Scope, Shared, Stmt,
 };
 
 /// Longest script or module that is read, bytes.
@@ -176,24 +176,18 @@ fn imports_of(program: &AST, source: &SourceText) -> Result<Vec<Import>, Vec<Fau
     let mut faults = Vec::new();
     for statement in program.statements() {
         let Stmt::Import(import, at) = statement else { continue };
-        match read(&import.0, &import.1) {
-            Some((name, alias, position)) => imports.push(Import { alias, name, position }),
-            None => faults.push(
+        let alias = import.1.name.to_string();
+        match &import.0 {
+            Expr::StringConstant(name, position) if !alias.is_empty() => {
+                imports.push(Import { alias, name: name.to_string(), position: *position });
+            }
+            _ => faults.push(
                 Fault::located(source, *at, "an import has a text and a name".into())
                     .with_hint(Some("write it like `import \"film\" as film;`".into())),
             ),
         }
     }
     if faults.is_empty() { Ok(imports) } else { Err(faults) }
-}
-
-fn read(path: &Expr, alias: &Ident) -> Option<(String, String, Position)> {
-    match path {
-        Expr::StringConstant(name, position) if !alias.name.is_empty() => {
-            Some((name.to_string(), alias.name.to_string(), *position))
-        }
-        _ => None,
-    }
 }
 
 type Resolved = Result<Shared<Module>, Box<EvalAltResult>>;
@@ -226,7 +220,7 @@ impl Programs {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.0)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use serde_json::Value;
 
@@ -202,8 +202,8 @@ impl OutputCollector {
     pub fn report(&self, finding: Finding) -> Result<(), Error> {
         if !is_code(&finding.code) {
             return Err(Error::new(format!(
-                "`{code}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`",
-                code = finding.code.chars().take(80).collect::<String>()
+                "`{}` is not the code of a warning: use lower-case words joined by hyphens, such as `coarse-mesh`",
+                shortened(&finding.code, 80)
             )));
         }
         if self.lock().findings.len() >= MOST_ENTRIES {
@@ -244,8 +244,8 @@ impl OutputCollector {
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 80 || !name.chars().all(letter) {
             return Err(Error::new(format!(
-                "`{name}` is not a name for a figure or a table: use letters, digits and _",
-                name = name.chars().take(80).collect::<String>()
+                "`{}` is not a name for a figure or a table: use letters, digits and _",
+                shortened(name, 80)
             )));
         }
         if self.reserved.iter().any(|reserved| reserved == name) {
@@ -258,8 +258,13 @@ impl OutputCollector {
     }
 
     fn lock(&self) -> MutexGuard<'_, ScriptOutput> {
-        self.output.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.output)
     }
+}
+
+/// The first characters of a text.
+fn shortened(text: &str, most: usize) -> String {
+    text.chars().take(most).collect()
 }
 
 /// Extensions that a file may have, all of text files.
@@ -359,9 +364,9 @@ fn check_name(name: &str, reserved: &[&str]) -> Result<(), Error> {
     let ending = name.rsplit_once('.').map(|(_, ending)| ending);
     if name.len() > LONGEST_NAME || !name.split('/').all(plain) || !ending.is_some_and(|end| ENDINGS.contains(&end)) {
         return Err(Error::new(format!(
-            "`{name}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}",
-            ENDINGS.join(", ."),
-            name = name.chars().take(LONGEST_NAME).collect::<String>()
+            "`{}` cannot name a file: folders and names of letters, digits, `-`, `_` and `.`, ending in .{}",
+            shortened(name, LONGEST_NAME),
+            ENDINGS.join(", .")
         )));
     }
     let first = name.split('/').next().unwrap_or(name);
@@ -413,14 +418,14 @@ pub(crate) fn put(plots: &mut Vec<Plot>, plot: Plot) -> Result<(), Error> {
     if let Some(text) = texts(&plot).find(|text| text.trim().is_empty() || text.chars().count() > LONGEST) {
         return Err(Error::new(format!(
             "a title, an axis label or a name of a plot has 1 to {LONGEST} characters, not `{}`",
-            text.chars().take(40).collect::<String>()
+            shortened(text, 40)
         )));
     }
     if !(1..=MOST_CURVES).contains(&plot.curves.len()) {
         return Err(Error::new(format!(
-            "the plot `{title}` has {count} curves; a plot has 1 to {MOST_CURVES}",
-            title = plot.title,
-            count = plot.curves.len()
+            "the plot `{}` has {} curves; a plot has 1 to {MOST_CURVES}",
+            plot.title,
+            plot.curves.len()
         )));
     }
     let points = |plot: &Plot| plot.curves.iter().map(|curve| curve.points.len()).sum::<usize>();

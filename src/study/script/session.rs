@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
 
@@ -82,7 +82,7 @@ impl Session {
     /// The session of the script that calls a host function.
     pub fn from_context(context: &NativeCallContext) -> Session {
         let session = context.tag().and_then(Session::in_tag).unwrap_or_default();
-        *lock(&session.last_call) = context.call_position();
+        *base::lock(&session.last_call) = context.call_position();
         session
     }
 
@@ -97,13 +97,13 @@ impl Session {
 
     /// Findings of the host are reported in the output of `collector` from now on.
     pub fn report_to(&self, collector: &OutputCollector) {
-        *lock(&self.output) = Some(collector.clone());
+        *base::lock(&self.output) = Some(collector.clone());
     }
 
     /// Reports findings of a scenario that the script reads or changes, each kind once of a key. Those of the trials of
     /// a search are left out: their number and order depend on the threads.
     pub fn report(&self, findings: impl IntoIterator<Item = Finding>) {
-        let output = lock(&self.output).clone();
+        let output = base::lock(&self.output).clone();
         if let Some(output) = output.filter(|_| !self.is_trial()) {
             findings.into_iter().for_each(|finding| output.report_once(finding));
         }
@@ -112,48 +112,48 @@ impl Session {
     /// Counts runs with the codes of their findings. Those of the trials of a search are left out.
     pub fn count_runs(&self, found: &RunFindings) {
         if !self.is_trial() {
-            lock(&self.run_findings).add(found);
+            base::lock(&self.run_findings).add(found);
         }
     }
 
     /// How often the runs so far had findings.
     pub fn run_findings(&self) -> RunFindings {
-        lock(&self.run_findings).clone()
+        base::lock(&self.run_findings).clone()
     }
 
     /// Declares the fields of maps of the host, which scripts are checked against before they run.
     pub fn declare(&self, fields: Fields) {
-        lock(&self.fields).push(fields);
+        base::lock(&self.fields).push(fields);
     }
 
     /// The declared fields.
     pub fn fields(&self) -> Vec<Fields> {
-        lock(&self.fields).clone()
+        base::lock(&self.fields).clone()
     }
 
     /// Declares the options of a function of the host, which scripts are checked against before they run.
     pub fn declare_options(&self, options: CallOptions) {
-        lock(&self.options).push(options);
+        base::lock(&self.options).push(options);
     }
 
     /// The declared options.
     pub(super) fn call_options(&self) -> Vec<CallOptions> {
-        lock(&self.options).clone()
+        base::lock(&self.options).clone()
     }
 
     /// Offers these modules to scripts.
     pub fn ship(&self, modules: &'static [ShippedModule]) {
-        lock(&self.modules).0.extend(modules);
+        base::lock(&self.modules).0.extend(modules);
     }
 
     /// Lets scripts import modules in files of their folder.
     pub fn read_modules(&self) {
-        lock(&self.modules).1 = true;
+        base::lock(&self.modules).1 = true;
     }
 
     /// The modules that are shipped, and whether those in files are read.
     pub(super) fn modules(&self) -> (Vec<ShippedModule>, bool) {
-        lock(&self.modules).clone()
+        base::lock(&self.modules).clone()
     }
 
     /// The programs that the engine runs.
@@ -189,7 +189,7 @@ impl Session {
 
     /// Where the host was last called with a context.
     pub(super) fn last_call(&self) -> Position {
-        *lock(&self.last_call)
+        *base::lock(&self.last_call)
     }
 
     /// Whether an objective is being evaluated.
@@ -199,7 +199,7 @@ impl Session {
 
     /// The record of the evaluation so far.
     pub fn trial(&self) -> Trial {
-        self.trial.as_ref().map(|trial| lock(trial).clone()).unwrap_or_default()
+        self.trial.as_ref().map(|trial| base::lock(trial).clone()).unwrap_or_default()
     }
 
     /// Records that the film of `scenario` ruptured at `time` (s).
@@ -223,24 +223,24 @@ impl Session {
 
     fn update_trial(&self, update: impl FnOnce(&mut Trial)) {
         if let Some(trial) = &self.trial {
-            update(&mut lock(trial));
+            update(&mut base::lock(trial));
         }
     }
 
     /// Records whether the recording at `path` is virtual.
     pub fn add_recording(&self, path: &Path, is_virtual: bool) {
-        lock(&self.recordings).insert(path.into(), is_virtual);
+        base::lock(&self.recordings).insert(path.into(), is_virtual);
     }
 
     /// Virtual recordings that were read so far.
     pub fn virtual_recordings(&self) -> Vec<PathBuf> {
-        let recordings = lock(&self.recordings);
+        let recordings = base::lock(&self.recordings);
         recordings.iter().filter(|(_, is_virtual)| **is_virtual).map(|(path, _)| path.clone()).collect()
     }
 
     /// Whether recordings were read so far and all of them are virtual.
     pub fn is_all_virtual(&self) -> bool {
-        let recordings = lock(&self.recordings);
+        let recordings = base::lock(&self.recordings);
         !recordings.is_empty() && recordings.values().all(|is_virtual| *is_virtual)
     }
 }
@@ -249,10 +249,6 @@ impl From<Session> for Dynamic {
     fn from(session: Session) -> Dynamic {
         Dynamic::from(session)
     }
-}
-
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 thread_local! {

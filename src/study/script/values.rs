@@ -175,6 +175,14 @@ impl Options<'_> {
         self.map.get(name).map_or(Ok(otherwise), |value| number(value, name))
     }
 
+    /// The number `name`, where it is given.
+    ///
+    /// # Errors
+    /// It is not a number.
+    pub fn optional_number(&self, name: &str) -> HostResult<Option<f64>> {
+        self.map.get(name).map(|value| number(value, name)).transpose()
+    }
+
     /// The whole number `name` within a range, or else `otherwise`.
     ///
     /// # Errors
@@ -277,35 +285,26 @@ pub(super) fn register_sort(engine: &mut Engine) {
 }
 
 fn sort(list: &mut Array, direction: fn(Ordering) -> Ordering) -> HostResult<()> {
-    if let Some(whole) = keys(list, |item| item.as_int().ok()) {
-        return reorder(list, &whole, |a, b| direction(a.cmp(b)));
+    let number = |item: &Dynamic| item.as_float().or_else(|_| item.as_int().map(|whole| whole as f64)).ok();
+    let text = |item: &Dynamic| item.clone().into_immutable_string().ok();
+    if list.iter().all(|item| number(item).is_some()) && list.iter().filter_map(number).any(f64::is_nan) {
+        return Err(refuse("a list with NaN has no order"));
     }
-    if let Some(numbers) = keys(list, |item| item.as_float().or_else(|_| item.as_int().map(|whole| whole as f64)).ok())
-    {
-        if numbers.iter().any(|number| number.is_nan()) {
-            return Err(refuse("a list with NaN has no order"));
-        }
-        return reorder(list, &numbers, |a, b| direction(a.total_cmp(b)));
-    }
-    if let Some(texts) = keys(list, |item| item.clone().into_immutable_string().ok()) {
-        return reorder(list, &texts, |a, b| direction(a.cmp(b)));
-    }
-    if let Some(letters) = keys(list, |item| item.as_char().ok()) {
-        return reorder(list, &letters, |a, b| direction(a.cmp(b)));
-    }
-    if let Some(flags) = keys(list, |item| item.as_bool().ok()) {
-        return reorder(list, &flags, |a, b| direction(a.cmp(b)));
-    }
-    Err(refuse("a list is sorted where all of it are numbers, texts or Booleans; give `sort` a function for others"))
+    let is_sorted = sort_by(list, |item| item.as_int().ok(), |a, b| direction(a.cmp(b)))
+        || sort_by(list, number, |a, b| direction(a.total_cmp(b)))
+        || sort_by(list, text, |a, b| direction(a.cmp(b)))
+        || sort_by(list, |item| item.as_char().ok(), |a, b| direction(a.cmp(b)))
+        || sort_by(list, |item| item.as_bool().ok(), |a, b| direction(a.cmp(b)));
+    let kinds = "numbers, texts or Booleans";
+    let wrong = || refuse!("a list is sorted where all of it are {kinds}; give `sort` a function for others");
+    is_sorted.then_some(()).ok_or_else(wrong)
 }
 
-fn keys<K>(list: &Array, key: impl Fn(&Dynamic) -> Option<K>) -> Option<Vec<K>> {
-    list.iter().map(key).collect()
-}
-
-fn reorder<K>(list: &mut Array, keys: &[K], order: impl Fn(&K, &K) -> Ordering) -> HostResult<()> {
+/// Sorts the list by the keys of its items, where all have one.
+fn sort_by<K>(list: &mut Array, key: impl Fn(&Dynamic) -> Option<K>, order: impl Fn(&K, &K) -> Ordering) -> bool {
+    let Some(keys) = list.iter().map(key).collect::<Option<Vec<K>>>() else { return false };
     let mut places: Vec<usize> = (0..keys.len()).collect();
     places.sort_by(|a, b| order(&keys[*a], &keys[*b]));
     *list = places.into_iter().map(|place| std::mem::take(&mut list[place])).collect();
-    Ok(())
+    true
 }

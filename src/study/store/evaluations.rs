@@ -12,7 +12,7 @@ use std::fs::{self, DirEntry, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant, SystemTime};
 
 use serde::Serialize;
@@ -375,7 +375,7 @@ impl EvaluationStore {
 
     fn claims(&self) -> MutexGuard<'_, Claims> {
         // Every change is complete before the next statement that may panic.
-        self.claims.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.claims)
     }
 }
 

@@ -120,7 +120,7 @@ pub fn place(root: &Path, name: &str) -> Result<PathBuf, StoreError> {
 pub fn check_places(places: &[PathBuf]) -> Result<(), StoreError> {
     let mut seen = HashSet::new();
     for path in places {
-        check_replaceable(path)?;
+        check_moved(path, path)?;
         if !seen.insert(path) {
             return Err(StoreError::other(format!("two runs would be stored in {}", path.display())));
         }
@@ -285,10 +285,6 @@ fn sibling(target: &Path) -> Result<ScratchFolder, StoreError> {
     let error = |source| StoreError::write(parent, source);
     fs::create_dir_all(parent).map_err(error)?;
     ScratchFolder::new(parent).map_err(error)
-}
-
-fn check_replaceable(target: &Path) -> Result<(), StoreError> {
-    check_moved(target, target)
 }
 
 /// Checks that what is in `folder`, and was moved there from `target`, is nothing or a run folder of droptower.

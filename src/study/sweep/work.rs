@@ -176,15 +176,15 @@ impl State<'_> {
     }
 
     fn position(&self) -> Position {
-        let waiting = lock(&self.queue).len();
-        let done = lock(&self.done);
+        let waiting = base::lock(&self.queue).len();
+        let done = base::lock(&self.done);
         let begun = self.work.sweep.len().saturating_sub(done.len() + waiting);
         Position { waiting, begun, computed: done.computed }
     }
 
     /// At most so many places of runs that wait, spread evenly.
     fn sample(&self, most: usize) -> Vec<usize> {
-        let queue = lock(&self.queue);
+        let queue = base::lock(&self.queue);
         let count = queue.len().min(most);
         (0..count).map(|turn| queue[turn * queue.len() / count]).collect()
     }
@@ -192,14 +192,14 @@ impl State<'_> {
     fn take_all(&self) {
         let _guard = PanicGuard(&self.has_panicked);
         while !self.ends() {
-            let next = lock(&self.queue).pop_front();
+            let next = base::lock(&self.queue).pop_front();
             let result = match next {
                 Some(place) => self.take(place),
                 None if self.wait() => continue,
                 None => return,
             };
             if let Err(error) = result {
-                lock(&self.error).get_or_insert(error);
+                base::lock(&self.error).get_or_insert(error);
             }
         }
     }
@@ -211,18 +211,18 @@ impl State<'_> {
         let Stop { deadline, .. } = self.work.stop;
         let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
         let has_panicked = self.has_panicked.load(Ordering::Relaxed);
-        self.work.stop.is_requested() || is_late || has_panicked || lock(&self.error).is_some()
+        self.work.stop.is_requested() || is_late || has_panicked || base::lock(&self.error).is_some()
     }
 
     /// Looks again for runs that other processes compute; `false` where there are none, or it is not this process that
     /// waits for them.
     fn wait(&self) -> bool {
-        if self.work.gather || !self.work.waits || lock(&self.elsewhere).is_empty() {
+        if self.work.gather || !self.work.waits || base::lock(&self.elsewhere).is_empty() {
             return false;
         }
         thread::sleep(TICK);
-        let places = std::mem::take(&mut *lock(&self.elsewhere));
-        lock(&self.queue).extend(places);
+        let places = std::mem::take(&mut *base::lock(&self.elsewhere));
+        base::lock(&self.queue).extend(places);
         true
     }
 
@@ -249,7 +249,7 @@ impl State<'_> {
         }
         let Some(claim) = store.claim(keys.figures).map_err(failed)? else {
             // Not waited for here: the thread takes other runs, and looks again once the queue is empty.
-            lock(&self.elsewhere).push(place);
+            base::lock(&self.elsewhere).push(place);
             return Ok(());
         };
         // Whoever held the claim before may have ended since the look.
@@ -279,7 +279,7 @@ impl State<'_> {
         if !evaluations.store().contains(keys.figures).map_err(|error| evaluations.failed(error))? {
             return Ok(false);
         }
-        let mut done = lock(&self.done);
+        let mut done = base::lock(&self.done);
         done.cache_hits += 1;
         done.keys.insert(place, keys);
         // The observer may be slow: no other thread waits for it at this lock.
@@ -292,13 +292,13 @@ impl State<'_> {
     /// Notes a run without an evaluation.
     fn refuse(&self, place: usize, cause: String) {
         (self.observer)(Event::Refused(place, &cause));
-        lock(&self.done).refused.insert(place, cause);
+        base::lock(&self.done).refused.insert(place, cause);
     }
 
     /// Notes an evaluation.
     fn add(&self, place: usize, keys: EvaluationKeys, evaluated: &Evaluated) {
         let Evaluated { evaluation, is_new } = evaluated;
-        let mut done = lock(&self.done);
+        let mut done = base::lock(&self.done);
         done.keys.insert(place, keys);
         if *is_new {
             done.computed += 1;
@@ -309,11 +309,6 @@ impl State<'_> {
         drop(done);
         (self.observer)(if *is_new { Event::Computed(place, evaluation) } else { Event::Taken(place, keys) });
     }
-}
-
-/// No lock is held where a panic could leave its content half changed.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Most runs of a sample.

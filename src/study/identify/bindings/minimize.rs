@@ -47,7 +47,7 @@ fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[Scri
         let count = searches.len();
         return Err(refuse!("the results of {count} searches are more values than a list holds: call it for fewer"));
     };
-    let results = host.minimize(context, searches)?;
+    let results = host.with_objectives(context, searches, |session, searches| host.minimize_all(session, searches))?;
     let found = results.iter().zip(searches).zip(values);
     Ok(found.map(|((found, search), values)| result::of_search(found, &search.search.names, values)).collect())
 }

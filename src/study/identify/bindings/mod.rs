@@ -91,11 +91,6 @@ impl SearchHost {
         SearchHost { searches: Arc::default(), observer: Arc::new(observer) }
     }
 
-    /// Runs independent searches on the same threads at the same time; the results in their order.
-    fn minimize(&self, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<SearchResult>> {
-        self.with_objectives(context, searches, |session, searches| self.minimize_all(session, searches))
-    }
-
     /// Runs independent searches on the same threads at the same time; the results in their order, or the number and the
     /// error of the first that failed.
     pub(crate) fn minimize_all(

@@ -1,6 +1,6 @@
 //! A closure of a script as an objective.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, GlobalRuntimeState, Map, NativeCallContext, Position};
 use thiserror::Error;
@@ -35,7 +35,7 @@ pub(super) struct ScriptError {
 impl ScriptError {
     /// The error with its position; none the second time.
     pub(super) fn take(&self) -> Option<Box<EvalAltResult>> {
-        self.error.lock().unwrap_or_else(PoisonError::into_inner).take()
+        base::lock(&self.error).take()
     }
 }
 
@@ -85,7 +85,7 @@ impl<'c> ScriptObjective<'c> {
 
     /// The mistake in a key of a map that is the cause of a failed trial, with its position; none the second time.
     pub(super) fn take_key_mistake(&self, cause: &str) -> Option<Box<EvalAltResult>> {
-        let mut first = self.key_mistake.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut first = base::lock(&self.key_mistake);
         first.take_if(|(text, _)| text == cause).map(|(_, error)| error)
     }
 
@@ -115,7 +115,7 @@ impl<'c> ScriptObjective<'c> {
         let EvalAltResult::ErrorRuntime(value, _) = error.unwrap_inner() else { return fatal(error) };
         let failed = Evaluation::Failed { cause: thrown(value), numerical: is_numerical(&error) };
         if let Some(text) = key_mistake(&error) {
-            self.key_mistake.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert((text, error));
+            base::lock(&self.key_mistake).get_or_insert((text, error));
         }
         failed
     }

@@ -3,8 +3,8 @@
 //! A generation is evaluated at once. The distribution is over u: the unknowns divided by their values at the start, or
 //! their transforms within bounds, see [`Bounds`](crate::identify::Bounds).
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use cmaes::{CMAESOptions, DVector, TerminationReason};
 
@@ -40,7 +40,7 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
             Ok(value) => value.map_or(WORST, |value| value.value()),
             Err(error) => {
                 // The rest of the generation is still evaluated: the order in which trials end does not matter.
-                errors.lock().unwrap_or_else(PoisonError::into_inner).push((x, error));
+                base::lock(&errors).push((x, error));
                 WORST
             }
         }
@@ -58,7 +58,7 @@ pub(in crate::identify) fn search(start: &[f64], context: SearchContext<'_>) -> 
     let end = loop {
         before.store(trials.evaluations(), Ordering::Relaxed);
         let end = state.next_parallel();
-        let errors = std::mem::take(&mut *errors.lock().unwrap_or_else(PoisonError::into_inner));
+        let errors = std::mem::take(&mut *base::lock(&errors));
         if let Some((_, error)) = errors.into_iter().min_by(|(a, _), (b, _)| order(a, b)) {
             return Err(error);
         }

@@ -5,7 +5,7 @@ pub(super) mod levenberg_marquardt;
 pub(super) mod nelder_mead;
 
 use std::cmp::Ordering;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use crate::identify::evaluator::Evaluator;
 use crate::identify::objective::{Evaluation, ObjectiveValue, SearchError};
@@ -30,16 +30,12 @@ pub(in crate::identify) struct Trials<'c> {
     tally: Mutex<Tally>,
 }
 
-#[derive(Default)]
-struct Tally {
-    evaluations: usize,
-    failures: Failures,
-}
-
-/// Trials without a value.
+/// What becomes of trials.
 #[derive(Clone, Debug, Default)]
-pub(in crate::identify) struct Failures {
-    count: usize,
+pub(in crate::identify) struct Tally {
+    evaluations: usize,
+    /// Trials without a value.
+    failed: usize,
     first: Option<Failure>,
 }
 
@@ -51,16 +47,16 @@ struct Failure {
     cause: String,
 }
 
-impl Failures {
+impl Tally {
     /// Adds the failures of a later start.
-    pub(in crate::identify) fn add(&mut self, other: Failures) {
-        self.count += other.count;
+    pub(in crate::identify) fn add(&mut self, other: Tally) {
+        self.failed += other.failed;
         self.first = self.first.take().or(other.first);
     }
 
     /// Adds one; of trials requested at once, the first in the order of their points counts as first.
     fn push(&mut self, failure: Failure) {
-        self.count += 1;
+        self.failed += 1;
         // Outcomes come in any order: the first by its place in the search is the same with any number of threads.
         let is_before =
             |first: &Failure| failure.before.cmp(&first.before).then_with(|| order(&failure.x, &first.x)).is_lt();
@@ -72,7 +68,7 @@ impl Failures {
     /// A warning if there are any.
     pub(in crate::identify) fn warning(self, search: &Search) -> Option<Warning> {
         let Failure { x, cause, .. } = self.first?;
-        Some(Warning::FailedTrials { count: self.count, first: Point::new(&search.names, &x), cause })
+        Some(Warning::FailedTrials { count: self.failed, first: Point::new(&search.names, &x), cause })
     }
 }
 
@@ -95,14 +91,12 @@ impl<'c> Trials<'c> {
 
     /// The value at `x`; none where the trial failed and counts as worst.
     fn value(&self, x: &[f64]) -> Result<Option<ObjectiveValue>, SearchError> {
-        let evaluation = self.evaluator.evaluate(x)?;
-        self.count(x, evaluation, self.evaluations())
+        self.value_of_several(x, self.evaluations())
     }
 
     /// The value at `x`, one of several points that are requested at once in any order, after `before` others.
     fn value_of_several(&self, x: &[f64], before: usize) -> Result<Option<ObjectiveValue>, SearchError> {
-        let evaluation = self.evaluator.evaluate(x)?;
-        self.count(x, evaluation, before)
+        self.count(x, self.evaluator.evaluate(x)?, before)
     }
 
     /// The values at `points`.
@@ -119,28 +113,24 @@ impl<'c> Trials<'c> {
 
     /// Number of points that the method requested.
     fn evaluations(&self) -> usize {
-        self.tally().evaluations
+        base::lock(&self.tally).evaluations
     }
 
-    pub(in crate::identify) fn failures(&self) -> Failures {
-        self.tally().failures.clone()
+    pub(in crate::identify) fn tally(&self) -> Tally {
+        base::lock(&self.tally).clone()
     }
 
     fn count(&self, x: &[f64], evaluation: Evaluation, before: usize) -> Result<Option<ObjectiveValue>, SearchError> {
-        let mut tally = self.tally();
+        let mut tally = base::lock(&self.tally);
         tally.evaluations += 1;
         match evaluation {
             Evaluation::Value(value) => Ok(Some(value)),
             Evaluation::Fatal(error) => Err(error.into()),
             Evaluation::Failed { cause, .. } => {
-                tally.failures.push(Failure { before, x: x.into(), cause });
+                tally.push(Failure { before, x: x.into(), cause });
                 Ok(None)
             }
         }
-    }
-
-    fn tally(&self) -> MutexGuard<'_, Tally> {
-        self.tally.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -186,10 +176,7 @@ pub(in crate::identify) fn falls_beyond(
     search: &Search,
     trials: &Trials<'_>,
 ) -> Result<Option<bool>, SearchError> {
-    let [lower, upper] = search.bounds.pairs().nth(index).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let size = if x[index] == 0.0 { 1.0 } else { x[index].abs() };
-    // Within narrow bounds, a step of the usual size would leave them on the other side.
-    let step = (search.difference * size).min(0.25 * (upper - lower));
+    let step = search.step(index, x[index]);
     let mut inside = x.to_vec();
     inside[index] += if side == Side::Lower { step } else { -step };
     let mut found = Vec::new();
