@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use crate::post::{COST, HEADER, OF_THE_MACHINE, Plan, ReferenceComparison, Results, failure_message};
 use crate::store::EvaluationStore;
-use crate::store::evaluations::{Key, Share};
+use crate::store::evaluations::{Key, Kind, Share};
 use base::file::{Digest, FileError};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Identity, Loading, Model, Reference};
@@ -328,7 +328,7 @@ impl Evaluations {
     /// # Errors
     /// Its record cannot be read.
     pub fn record(&self, keys: EvaluationKeys) -> Result<Option<Evaluation>, EvaluationError> {
-        let record = self.store.get(keys.figures).map_err(|source| self.failed(source))?;
+        let record = self.store.read(Kind::Record, keys.figures).map_err(|source| self.failed(source))?;
         Ok(record.and_then(|record| unpacked(&record)))
     }
 
@@ -426,7 +426,7 @@ impl Evaluations {
             Err(error) if may_pass(error, &model, run) => {}
             Err(error) => {
                 let record = packed(&NoOutcome::from_error(error, &model)).map_err(|source| self.failed(source))?;
-                self.store.put(failure_key(run), &record).map_err(|source| self.failed(source))?;
+                self.store.write(Kind::Record, failure_key(run), &record).map_err(|source| self.failed(source))?;
             }
         }
         if matches!(found, Err(RunError::Cancelled)) {
@@ -461,7 +461,7 @@ impl Evaluations {
         let known = match self.outcome(run)? {
             Some(outcome) => Some(Ok(outcome)),
             None => {
-                let record = self.store.get(failure_key(run)).map_err(|source| self.failed(source))?;
+                let record = self.store.read(Kind::Record, failure_key(run)).map_err(|source| self.failed(source))?;
                 record.and_then(|record| unpacked(&record)).map(Err)
             }
         };
@@ -474,7 +474,7 @@ impl Evaluations {
     /// It cannot be written.
     pub fn add(&self, keys: EvaluationKeys, evaluation: &Evaluation) -> Result<(), EvaluationError> {
         let record = packed(evaluation).map_err(|source| self.failed(source))?;
-        self.store.put(keys.figures, &record).map_err(|source| self.failed(source))
+        self.store.write(Kind::Record, keys.figures, &record).map_err(|source| self.failed(source))
     }
 
     /// The outcome of a run that is kept whole, without its pictures.
@@ -482,7 +482,7 @@ impl Evaluations {
     /// # Errors
     /// It cannot be read.
     pub fn outcome(&self, run: Key) -> Result<Option<Outcome>, EvaluationError> {
-        let content = self.store.run(run).map_err(|source| self.failed(source))?;
+        let content = self.store.read(Kind::Run, run).map_err(|source| self.failed(source))?;
         Ok(content.and_then(|content| unpacked(&content)))
     }
 
@@ -492,7 +492,7 @@ impl Evaluations {
     /// It cannot be written.
     pub fn keep(&self, run: Key, outcome: &Outcome) -> Result<(), EvaluationError> {
         let content = packed(outcome).map_err(|source| self.failed(source))?;
-        self.store.put_run(run, &content).map_err(|source| self.failed(source))
+        self.store.write(Kind::Run, run, &content).map_err(|source| self.failed(source))
     }
 
     /// An error of the store.

@@ -74,7 +74,7 @@ impl fmt::Debug for Key {
 
 /// The kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
     /// An evaluation.
     Record,
     /// A run that is kept whole.
@@ -188,20 +188,12 @@ impl EvaluationStore {
         &self.folder
     }
 
-    /// The record under `key`; none where there is none, or a damaged one.
-    ///
-    /// # Errors
-    /// It cannot be read.
-    pub fn get(&self, key: Key) -> io::Result<Option<Vec<u8>>> {
-        self.read(Kind::Record, key)
-    }
-
     /// Whether there is a record under `key`.
     ///
     /// # Errors
     /// It cannot be read.
     pub fn contains(&self, key: Key) -> io::Result<bool> {
-        Ok(self.get(key)?.is_some())
+        Ok(self.read(Kind::Record, key)?.is_some())
     }
 
     /// Number of records of other processes, now or before. All names are read for it.
@@ -214,16 +206,6 @@ impl EvaluationStore {
         Ok(files(&self.folder.join(&self.build), Kind::Record)?.len().saturating_sub(added))
     }
 
-    /// Adds a record.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn put(&self, key: Key, record: &[u8]) -> io::Result<()> {
-        self.write(Kind::Record, key, record)?;
-        self.added.fetch_add(1, Ordering::Relaxed);
-        Ok(())
-    }
-
     /// Why the evaluation under `key`, of which there is no record, failed last for a cause that may pass.
     ///
     /// # Errors
@@ -234,22 +216,6 @@ impl EvaluationStore {
         }
         let cause = self.read(Kind::Refusal, key)?;
         Ok(cause.map(|cause| String::from_utf8_lossy(&cause).into_owned()))
-    }
-
-    /// Keeps a whole run under `key`.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn put_run(&self, key: Key, content: &[u8]) -> io::Result<()> {
-        self.write(Kind::Run, key, content)
-    }
-
-    /// The whole run kept under `key`; none where there is none, or a damaged one.
-    ///
-    /// # Errors
-    /// It cannot be read.
-    pub fn run(&self, key: Key) -> io::Result<Option<Vec<u8>>> {
-        self.read(Kind::Run, key)
     }
 
     /// Claims an evaluation for a thread of this process; none where another thread or another process computes it. The
@@ -358,12 +324,22 @@ impl EvaluationStore {
         Ok(path)
     }
 
-    fn write(&self, kind: Kind, key: Key, content: &[u8]) -> io::Result<()> {
+    /// Keeps a file of this kind under `key`.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, kind: Kind, key: Key, content: &[u8]) -> io::Result<()> {
         let path = self.new_path(kind, key)?;
-        file::replace(&path, &[&file::checksum(content).to_le_bytes(), content].concat())
+        file::replace(&path, &[&file::checksum(content).to_le_bytes(), content].concat())?;
+        self.added.fetch_add(usize::from(kind == Kind::Record), Ordering::Relaxed);
+        Ok(())
     }
 
-    fn read(&self, kind: Kind, key: Key) -> io::Result<Option<Vec<u8>>> {
+    /// The file of this kind under `key`; none where there is none, or a damaged one.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn read(&self, kind: Kind, key: Key) -> io::Result<Option<Vec<u8>>> {
         let content = match file::read(&self.path(kind, key), MOST) {
             Ok(content) => content,
             Err(FileError::Io(error)) => return Err(error),
@@ -510,25 +486,28 @@ mod tests {
         let store = open(folder.path());
         assert!(!store.contains(key(1)).unwrap());
         assert!(entries(folder.path()).unwrap().is_empty(), "a store that is only read leaves nothing");
-        store.put(key(1), b"one").unwrap();
-        store.put(key(2), b"").unwrap();
-        assert_eq!(store.get(key(1)).unwrap().as_deref(), Some(&b"one"[..]));
+        store.write(Kind::Record, key(1), b"one").unwrap();
+        store.write(Kind::Record, key(2), b"").unwrap();
+        assert_eq!(store.read(Kind::Record, key(1)).unwrap().as_deref(), Some(&b"one"[..]));
         assert_eq!(store.others().unwrap(), 0);
         let again = open(folder.path());
         assert_eq!(again.others().unwrap(), 2);
-        assert_eq!(again.get(key(2)).unwrap().as_deref(), Some(&b""[..]));
-        assert_eq!(again.get(key(3)).unwrap(), None);
+        assert_eq!(again.read(Kind::Record, key(2)).unwrap().as_deref(), Some(&b""[..]));
+        assert_eq!(again.read(Kind::Record, key(3)).unwrap(), None);
         assert!(!EvaluationStore::new(folder.path(), "2").contains(key(1)).unwrap());
         // What is added later is seen at once.
-        again.put(key(7), b"later").unwrap();
-        assert_eq!((store.get(key(7)).unwrap().as_deref(), store.others().unwrap()), (Some(&b"later"[..]), 1));
+        again.write(Kind::Record, key(7), b"later").unwrap();
+        assert_eq!(
+            (store.read(Kind::Record, key(7)).unwrap().as_deref(), store.others().unwrap()),
+            (Some(&b"later"[..]), 1)
+        );
     }
 
     #[test]
     fn a_damaged_record_is_none_and_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let store = open(folder.path());
-        store.put(key(1), b"whole").unwrap();
+        store.write(Kind::Record, key(1), b"whole").unwrap();
         let path = store.path(Kind::Record, key(1));
         let whole = fs::read(&path).unwrap();
         for length in 0..whole.len() {
@@ -538,7 +517,7 @@ mod tests {
         let last = whole.len() - 1;
         fs::write(&path, [&whole[..last], &[whole[last] ^ 1]].concat()).unwrap();
         assert!(!store.contains(key(1)).unwrap());
-        store.put(key(1), b"whole").unwrap();
+        store.write(Kind::Record, key(1), b"whole").unwrap();
         assert_eq!(fs::read(&path).unwrap(), whole);
     }
 
@@ -570,7 +549,7 @@ mod tests {
             }
         }
         assert!(claims(&other, key(1)));
-        other.put(key(1), b"done").unwrap();
+        other.write(Kind::Record, key(1), b"done").unwrap();
         assert_eq!(one.refusal(key(1)).unwrap(), None);
     }
 
@@ -634,10 +613,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [store, former] = ["1", "0"].map(|build| EvaluationStore::new(folder.path(), build));
         // Figures are kept under another key than the run that a script made them of.
-        store.put(key(5), b"figures").unwrap();
-        store.put_run(key(1), b"signals").unwrap();
-        former.put(key(5), b"figures").unwrap();
-        assert_eq!(store.run(key(1)).unwrap().as_deref(), Some(&b"signals"[..]));
+        store.write(Kind::Record, key(5), b"figures").unwrap();
+        store.write(Kind::Run, key(1), b"signals").unwrap();
+        former.write(Kind::Record, key(5), b"figures").unwrap();
+        assert_eq!(store.read(Kind::Run, key(1)).unwrap().as_deref(), Some(&b"signals"[..]));
         let listed = EvaluationStore::list(folder.path()).unwrap();
         let shown: Vec<_> = listed.iter().map(|own| (own.build.as_str(), own.evaluations, own.runs)).collect();
         assert_eq!(shown, [("0", 1, 0), ("1", 1, 1)]);
