@@ -354,21 +354,10 @@ pub(super) struct Position {
 pub(super) struct Estimator {
     /// Records of others when the process began.
     before: usize,
-    /// What the last sample found.
-    sampled: Option<Sample>,
+    /// What the last sample found, and the runs that were computed here by then.
+    sampled: Option<(RemainingWork, usize)>,
     next: Instant,
     pause: Duration,
-}
-
-/// A sample of the runs that wait.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    /// Runs left.
-    left: usize,
-    /// Runs that were computed here by then.
-    computed: usize,
-    /// Runs that others have computed by then since the process began.
-    elsewhere: usize,
 }
 
 impl Estimator {
@@ -392,13 +381,13 @@ impl Estimator {
             self.sampled = (others > 0).then(|| {
                 let unknown = waiting as f64 * unknown_share(sweep, evaluations, &sample(MOST));
                 let left = unknown.round() as usize + begun;
-                Sample { left, computed, elsewhere: others.saturating_sub(self.before) }
+                (RemainingWork { left, elsewhere: others.saturating_sub(self.before) }, computed)
             });
             // A sample takes time from the runs: in a long sweep it becomes rare.
             self.pause = (2 * self.pause).min(LONGEST);
             self.next = Instant::now() + self.pause;
         }
-        let Sample { left, computed: by_then, elsewhere } = self.sampled?;
+        let (RemainingWork { left, elsewhere }, by_then) = self.sampled?;
         let since = computed.saturating_sub(by_then);
         // A sample may err; the runs that have begun are left for certain.
         Some(RemainingWork { left: left.saturating_sub(since).max(begun), elsewhere })
