@@ -3,10 +3,11 @@
 use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
 use crate::identify::bindings::minimize::{self, ScriptSearch, unknown, unknown_option, word};
-use crate::identify::bindings::{SearchHost, result};
+use crate::identify::bindings::{SearchHost, integer};
 use crate::identify::evaluator::linearize_at_start;
 use crate::identify::objective::refused;
-use crate::script::{HostResult, number, refuse};
+use crate::script::{HostResult, findings_map, list, number, refuse};
+use base::finding::Finding;
 use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
 use plot::Correlation;
 
@@ -164,7 +165,62 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
         None => "Correlation".into(),
     };
     host.report_correlation(&plotted(&confidence, title));
-    Ok(result::of_confidence(&confidence))
+    Ok(of_confidence(&confidence))
+}
+
+/// Confidence intervals.
+fn of_confidence(confidence: &Confidence) -> Map {
+    let names = &confidence.names;
+    let count = names.len();
+    let matrix = |entry: &dyn Fn(usize, usize) -> f64| -> Array {
+        (0..count).map(|row| (0..count).map(|column| entry(row, column).into()).collect::<Array>().into()).collect()
+    };
+    let side = |side: usize| list(&confidence.intervals.iter().map(|ends| ends[side]).collect::<Vec<_>>());
+    let mut map = Map::new();
+    map.insert("names".into(), names.iter().map(|name| name.clone().into()).collect::<Array>().into());
+    map.insert("x".into(), list(&confidence.x).into());
+    map.insert("standard_errors".into(), list(&confidence.standard_errors).into());
+    map.insert("lower".into(), side(0).into());
+    map.insert("upper".into(), side(1).into());
+    map.insert("covariance".into(), matrix(&|row, column| confidence.covariance[(row, column)]).into());
+    map.insert("correlation".into(), matrix(&|row, column| confidence.correlation[(row, column)]).into());
+    map.insert("samples".into(), integer(confidence.samples));
+    map.insert("effective_samples".into(), confidence.effective_samples.into());
+    map.insert("degrees_of_freedom".into(), confidence.freedom.into());
+    map.insert("condition".into(), confidence.condition.into());
+    map.extend(findings_map(&confidence.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
+    let rows = (0..count).map(|index| confidence_row(confidence, index).into());
+    map.insert("table".into(), rows.collect::<Array>().into());
+    let correlations = (0..count).map(|index| correlation_row(confidence, index).into());
+    map.insert("correlation_table".into(), correlations.collect::<Array>().into());
+    let shifts = confidence.shifts.iter().map(|(held, shifts)| {
+        let names = names.iter().map(String::as_str);
+        Dynamic::from(named(held, names.zip(shifts.iter().copied())))
+    });
+    map.insert("shift_table".into(), shifts.collect::<Array>().into());
+    map
+}
+
+fn confidence_row(confidence: &Confidence, index: usize) -> Map {
+    let [lower, upper] = confidence.intervals[index];
+    let figures = [
+        ("value", confidence.x[index]),
+        ("standard_error", confidence.standard_errors[index]),
+        ("lower_95", lower),
+        ("upper_95", upper),
+    ];
+    named(&confidence.names[index], figures)
+}
+
+fn correlation_row(confidence: &Confidence, index: usize) -> Map {
+    let names = confidence.names.iter().enumerate();
+    let pairs = names.map(|(other, name)| (name.as_str(), confidence.correlation[(index, other)]));
+    named(&confidence.names[index], pairs)
+}
+
+fn named<'n>(name: &str, figures: impl IntoIterator<Item = (&'n str, f64)>) -> Map {
+    let figures = figures.into_iter().map(|(name, value)| (name.into(), value.into()));
+    std::iter::once(("parameter".into(), name.to_owned().into())).chain(figures).collect()
 }
 
 fn plotted(confidence: &Confidence, title: String) -> Correlation {

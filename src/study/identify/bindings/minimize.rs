@@ -3,11 +3,13 @@
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, INT, Map, NativeCallContext};
 
 use super::objective::OnRupture;
-use super::{SearchHost, result};
-use crate::identify::convergence::{Labels, SignalLabel};
+use super::{SearchHost, integer};
+use crate::identify::convergence::{Labels, SignalLabel, thinned};
 use crate::identify::options::{Bounds, Method, Search, Starts};
-use crate::script::{HostResult, number, numbers, refuse, thrown};
+use crate::identify::search::{Iteration, SearchResult, StartResult};
+use crate::script::{self, HostResult, findings_map, number, numbers, refuse, thrown};
 use base::diagnostic::did_you_mean;
+use base::finding::Finding;
 use base::removed;
 
 /// Registers `minimize` and `minimize_all`.
@@ -41,7 +43,7 @@ fn minimize(host: &SearchHost, context: &NativeCallContext, search: ScriptSearch
 
 fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[ScriptSearch]) -> HostResult<Vec<Map>> {
     let values = |ScriptSearch { search, .. }: &ScriptSearch| {
-        result::history_values(searches.len(), search.starts.count(), search.start.len())
+        history_values(searches.len(), search.starts.count(), search.start.len())
     };
     let Some(values) = searches.iter().map(values).collect::<Option<Vec<_>>>() else {
         let count = searches.len();
@@ -49,7 +51,7 @@ fn minimize_all(host: &SearchHost, context: &NativeCallContext, searches: &[Scri
     };
     let results = host.with_objectives(context, searches, |session, searches| host.minimize_all(session, searches))?;
     let found = results.iter().zip(searches).zip(values);
-    Ok(found.map(|((found, search), values)| result::of_search(found, &search.search.names, values)).collect())
+    Ok(found.map(|((found, search), values)| of_search(found, &search.search.names, values)).collect())
 }
 
 /// The searches of `minimize_all`. `options` are those of all, or a list with those of each.
@@ -220,6 +222,74 @@ fn points(list: &Array) -> HostResult<Vec<Vec<f64>>> {
         None => Err(refuse!("`starts` is a number or a list of lists, with {} in it", item.type_name())),
     };
     list.iter().map(point).collect()
+}
+
+/// Largest number of values in the results of one call, below the limit of a script's values.
+const MAX_VALUES: usize = 9_000;
+
+/// Largest number of them in histories.
+const MAX_OF_HISTORIES: usize = 6_000;
+
+/// Least number of them that are left for the histories, which are thinned to that.
+const LEAST_OF_HISTORIES: usize = 1_000;
+
+/// Largest number of values in the history of each of so many searches, with so many starts over so many unknowns; `None`
+/// where the results are too large without any.
+fn history_values(searches: usize, starts: usize, unknowns: usize) -> Option<usize> {
+    const OF_A_START: usize = 8;
+    let others = searches * ((1 + starts) * (OF_A_START + unknowns) + OF_A_START);
+    let left = MAX_VALUES.checked_sub(others).filter(|left| *left >= LEAST_OF_HISTORIES)?;
+    Some(left.min(MAX_OF_HISTORIES) / searches)
+}
+
+/// The result of a search over unknowns with these names, with so many values in its history.
+fn of_search(result: &SearchResult, names: &[String], values: usize) -> Map {
+    let mut map = of_start(&result.best);
+    let history = history(&result.starts, names, values, result.starts.len() > 1);
+    map.insert("history".into(), history.into());
+    map.extend(findings_map(&result.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
+    let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
+    map.insert("starts".into(), starts.into());
+    let total: usize = result.starts.iter().map(|start| start.evaluations).sum();
+    map.insert("total_evaluations".into(), integer(total));
+    map
+}
+
+fn of_start(result: &StartResult) -> Map {
+    let mut map = Map::new();
+    map.insert("x".into(), script::list(&result.x).into());
+    map.insert("f".into(), result.f.into());
+    map.insert("iterations".into(), integer(result.iterations));
+    map.insert("evaluations".into(), integer(result.evaluations));
+    map.insert("converged".into(), result.converged.into());
+    map.insert("reason".into(), result.reason.clone().into());
+    map.insert("simplex_size".into(), result.size.map_or(Dynamic::UNIT, Dynamic::from));
+    map
+}
+
+/// Iterations as rows of a table, thinned evenly to so many values.
+fn history(starts: &[StartResult], names: &[String], values: usize, several: bool) -> Array {
+    let all: Vec<&Iteration> = starts.iter().flat_map(|start| &start.history).collect();
+    let shown = thinned(&all, values / (names.len() + 7));
+    shown.map(|iteration| history_row(iteration, names, several).into()).collect()
+}
+
+fn history_row(iteration: &Iteration, names: &[String], several: bool) -> Map {
+    let mut map = Map::new();
+    if several {
+        map.insert("start".into(), integer(iteration.start + 1));
+    }
+    map.insert("iteration".into(), integer(iteration.iteration));
+    map.insert("evaluations".into(), integer(iteration.evaluations));
+    map.insert("f".into(), iteration.f.into());
+    if let Some(size) = iteration.size {
+        map.insert("size".into(), size.into());
+    }
+    map.insert("step".into(), iteration.step.into());
+    for (name, x) in names.iter().zip(&iteration.x) {
+        map.insert(name.as_str().into(), (*x).into());
+    }
+    map
 }
 
 #[cfg(test)]

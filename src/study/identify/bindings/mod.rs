@@ -3,7 +3,6 @@
 mod confidence;
 mod minimize;
 mod objective;
-mod result;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use minimize::ScriptSearch;
 use objective::{ScriptError, ScriptObjective};
 use rayon::prelude::*;
-use rhai::{Engine, EvalAltResult, NativeCallContext};
+use rhai::{Dynamic, Engine, EvalAltResult, INT, NativeCallContext};
 
 use crate::identify::convergence::{Labels, Progress, convergence_history};
 use crate::identify::evaluator::{Evaluator, TrialEvent, TrialPool};
@@ -207,6 +206,11 @@ impl SearchHost {
     pub(crate) fn tell(&self, text: &str) {
         (self.observer)(SearchEvent::Followed(text));
     }
+}
+
+/// A count as scripts have it.
+fn integer(count: usize) -> Dynamic {
+    INT::try_from(count).unwrap_or(INT::MAX).into()
 }
 
 /// Words before the error of one of several searches.
