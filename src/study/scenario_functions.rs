@@ -309,8 +309,7 @@ impl Study {
 
     /// The curve of a single element of the film at `strains`.
     fn pull(&self, strains: Vec<f64>, options: &Map) -> HostResult<Curve> {
-        let options = Options { of: "pull", map: options };
-        options.check(&["across"])?;
+        let options = Options::new("pull", options, &["across"])?;
         let stresses = self.pulled(&strains, across(&options)?)?;
         Curve::new(strains, stresses).map_err(refuse)
     }
@@ -323,8 +322,7 @@ impl Study {
     /// Stresses (Pa) of a single element of the film at `strains`, forth and back, at the rate of the jaws or at given
     /// times.
     fn stresses(&self, strains: &[f64], options: &Map) -> HostResult<Array> {
-        let options = Options { of: "stresses", map: options };
-        options.check(&["across", "times"])?;
+        let options = Options::new("stresses", options, &["across", "times"])?;
         let (model, across) = (&self.0.model, across(&options)?);
         let found = match options.map.get("times") {
             None => simulate::pull(model, strains, across),
@@ -522,8 +520,7 @@ fn register_coupon_material(engine: &mut Engine) {
 }
 
 fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
-    let more = Options { of: "coupon_material", map: more };
-    more.check(&["density", "shear_file", "shear_by", "elastic_corner"])?;
+    let more = Options::new("coupon_material", more, &["density", "shear_file", "shear_by", "elastic_corner"])?;
     let density = more.map.get("density").map(|_| more.quantity("density", Density::DIMENSION)).transpose()?;
     let shear_file = more.map.get("shear_file").map_or(SHEAR_FILE.into(), Dynamic::to_string);
     let shear_by: Option<ShearMethod> =

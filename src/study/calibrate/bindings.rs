@@ -291,8 +291,7 @@ impl Calibration {
             let study = scenarios.named(given, session)?;
             return Ok((study.name().to_owned(), study));
         };
-        let options = Options { of: "a scenario of predict", map: &map };
-        options.check(&["scenario", "name", "set"])?;
+        let options = Options::new("a scenario of predict", &map, &["scenario", "name", "set"])?;
         let study = scenarios.changed(&options, "`set`", session)?;
         Ok((map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string), study))
     }

@@ -92,8 +92,7 @@ impl Parameter {
         let map = given.read_lock::<Map>();
         let map =
             map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
-        let options = Options { of: "a parameter of calibrate", map: &map };
-        options.check(&file::parameter_options())?;
+        let options = Options::new("a parameter of calibrate", &map, &file::parameter_options())?;
         let keys = keys(options.value("key")?).map_err(of_parameter)?;
         if keys.is_empty() {
             return Err(of_parameter("`key` names no key".into()));
@@ -343,8 +342,7 @@ pub(super) fn is_curve(given: &Dynamic) -> bool {
 pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
     let of_parameter = |text: String| refuse!("parameter `{name}`: {text}");
     let map = given.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
-    let options = Options { of: "a curve of calibrate", map: &map };
-    options.check(&CURVE_OPTIONS)?;
+    let options = Options::new("a curve of calibrate", &map, &CURVE_OPTIONS)?;
     let key = options.value("curve")?.clone().into_string();
     let key = key.map_err(|_| of_parameter("`curve` is the key of a curve of a fabric".into()))?;
     let start = options.value("start")?.read_lock::<Curve>().map(|curve| curve.clone());

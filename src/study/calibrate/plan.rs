@@ -98,8 +98,7 @@ pub(super) enum Discrepancy {
 impl Plan {
     /// Reads the map of `calibrate`.
     pub(super) fn read(given: &Map, scenarios: &Scenarios, session: &Session) -> HostResult<Plan> {
-        let options = Options { of: "calibrate", map: given };
-        options.check(&file::options())?;
+        let options = Options::new("calibrate", given, &file::options())?;
         let (discrepancy, correlation) =
             discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
         let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;

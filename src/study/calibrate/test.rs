@@ -80,8 +80,7 @@ impl Test {
         let map = given.read_lock::<Map>().map(|map| map.clone());
         let map =
             map.ok_or_else(|| refuse!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))?;
-        let options = Options { of: "a test of calibrate", map: &map };
-        options.check(&super::file::test_options())?;
+        let options = Options::new("a test of calibrate", &map, &super::file::test_options())?;
         let study = scenarios.changed(&options, "`set` of a test", session)?;
         let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
         let in_test = |text: String| refuse!("test `{name}`: {text}");
@@ -257,8 +256,7 @@ impl Reading<'_> {
             Ok(self.recorded(column, &series, window, None)?.with_contact(contact, columns.len()))
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);
-        Ok((study.clone(), end, signals))
+        Ok((study.clone(), end_of(&signals), signals))
     }
 
     /// Signals of a file with the columns of `signals.csv`, over time or over another of its columns.
@@ -292,8 +290,7 @@ impl Reading<'_> {
             self.recorded(column, &series, window, None)
         });
         let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        let end = signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max);
-        Ok((study.clone(), end, signals))
+        Ok((study.clone(), end_of(&signals), signals))
     }
 
     /// Stress over strain of a coupon.
@@ -340,6 +337,11 @@ impl Reading<'_> {
     fn of_column(&self, column: &Column, error: &str) -> Box<EvalAltResult> {
         (self.in_test)(format!("{}: {error}", column.short))
     }
+}
+
+/// Where the last of some signals ends.
+fn end_of(signals: &[Recorded]) -> f64 {
+    signals.iter().filter_map(|own| own.series.time().last().copied()).fold(0.0, f64::max)
 }
 
 impl Signal {

@@ -94,8 +94,7 @@ fn coupon(strip: &Options<'_>) -> HostResult<Coupon> {
 }
 
 fn shear(coupon: &Coupon, curve: &Curve, more: &Map) -> HostResult<Map> {
-    let more = Options { of: "shear", map: more };
-    more.check(&["md", "td", "shear_by"])?;
+    let more = Options::new("shear", more, &["md", "td", "shear_by"])?;
     let fibre = |name: &str| {
         let curve = more.value(name)?.clone().try_cast::<Curve>();
         let curve = curve.ok_or_else(|| refuse!("expected a curve as {name}: that of the fibres"))?;

@@ -25,6 +25,17 @@ const CHANNELS: [Column; 8] = [
     column::TOTAL_ENERGY,
 ];
 
+/// Options of `reduce_drop`.
+const OF_REDUCTION: &str = "mass height gravity class correction time_constant bridge mask speed speed_error \
+    contact_time contact_error height_error guide_friction";
+/// Options of `virtual_drop`.
+const OF_VIRTUAL: &str = "height velocity seed laser gravity letting_go friction_speed_share time_constant \
+    noise offset rest sample_rate";
+
+fn names(options: &'static str) -> Vec<&'static str> {
+    options.split_whitespace().collect()
+}
+
 /// Offers `reduce_drop` and `virtual_drop` to scripts.
 pub(super) fn register(engine: &mut Engine) {
     engine
@@ -40,22 +51,7 @@ pub(super) fn register(engine: &mut Engine) {
 }
 
 fn reduce(acceleration: &Series, laser: Option<&Series>, about: &Options<'_>) -> HostResult<Map> {
-    about.check(&[
-        "mass",
-        "height",
-        "gravity",
-        "class",
-        "correction",
-        "time_constant",
-        "bridge",
-        "mask",
-        "speed",
-        "speed_error",
-        "contact_time",
-        "contact_error",
-        "height_error",
-        "guide_friction",
-    ])?;
+    about.check(&names(OF_REDUCTION))?;
     let body = Body { mass: about.needed_number("mass")?, gravity: about.number("gravity", GRAVITY)? };
     let tower = Tower { body, height: about.optional_number("height")? };
     let Bridged { series: acceleration, warning: bridged } = bridged(acceleration, about)?;
@@ -120,20 +116,7 @@ fn reduced(drop: &Drop) -> Map {
 }
 
 fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> HostResult<Map> {
-    about.check(&[
-        "height",
-        "velocity",
-        "seed",
-        "laser",
-        "gravity",
-        "letting_go",
-        "friction_speed_share",
-        "time_constant",
-        "noise",
-        "offset",
-        "rest",
-        "sample_rate",
-    ])?;
+    about.check(&names(OF_VIRTUAL))?;
     let fall = Fall {
         height: about.needed_number("height")?,
         speed: about.needed_number("velocity")?,

@@ -108,8 +108,7 @@ fn equal<const N: usize>(columns: [Vec<f64>; N]) -> HostResult<[Vec<f64>; N]> {
 }
 
 fn fitted(tests: &[Dynamic], law: &str, options: &Map) -> HostResult<Map> {
-    let given = Options { of: "fit_law", map: options };
-    given.check(&["residual", "stable_to", "predict"])?;
+    let given = Options::new("fit_law", options, &["residual", "stable_to", "predict"])?;
     let sets = tests.iter().map(set).collect::<HostResult<Vec<_>>>()?;
     let predicted = match options.get("predict") {
         Some(list) => {

@@ -114,8 +114,7 @@ struct Axes {
 }
 
 fn written(title: &str, options: &Map, curves: &Dynamic) -> HostResult<Plot> {
-    let options = Options { of: "plot", map: options };
-    options.check(&["x", "y", "log_x", "log_y", "window", "window_name", "picture"])?;
+    let options = Options::new("plot", options, &["x", "y", "log_x", "log_y", "window", "window_name", "picture"])?;
     let given = given(title, curves)?;
     let Axes { x, y, factors } = axes(title, &options, &given)?;
     let [least, most] = CURVE_POINTS;
@@ -150,8 +149,7 @@ impl Given {
         let Some(map) = curve.read_lock::<Map>() else {
             return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::from_value(curve)? });
         };
-        let options = Options { of: "a curve of a plot", map: &map };
-        options.check(&["name", "curve", "look"])?;
+        let options = Options::new("a curve of a plot", &map, &["name", "curve", "look"])?;
         let look = map.get("look").map_or(Ok(Look::Line), look)?;
         Ok(Given { name: name.into(), look, shape: Shape::from_value(options.value("curve")?)? })
     }

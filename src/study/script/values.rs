@@ -145,7 +145,16 @@ pub struct Options<'a> {
     pub map: &'a Map,
 }
 
-impl Options<'_> {
+impl<'a> Options<'a> {
+    /// The options of the function `of`, which takes the `known` ones.
+    ///
+    /// # Errors
+    /// It takes none of the name of one of them, which is refused at its place.
+    pub fn new(of: &'static str, map: &'a Map, known: &[&str]) -> HostResult<Options<'a>> {
+        let options = Options { of, map };
+        options.check(known).map(|()| options)
+    }
+
     /// Refuses names other than the `known` ones, at their place.
     pub fn check(&self, known: &[&str]) -> HostResult<()> {
         let Some(key) = self.map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
