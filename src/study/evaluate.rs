@@ -5,8 +5,8 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Duration;
-use std::{fmt, thread};
 
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
@@ -42,7 +42,6 @@ const MOST_BYTES: u64 = 1 << 30;
 
 /// All evaluations, those computed before and those computed now, in the folder that holds their records. Evaluations
 /// may be asked for by several threads at once.
-#[derive(Debug)]
 pub struct Evaluations {
     store: EvaluationStore,
     share: Share,
@@ -87,13 +86,7 @@ pub enum RunEvent<'a> {
 }
 
 /// Who is told of runs.
-struct Observer(Box<dyn Fn(RunEvent<'_>) + Send + Sync>);
-
-impl fmt::Debug for Observer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Observer")
-    }
-}
+type Observer = Box<dyn Fn(RunEvent<'_>) + Send + Sync>;
 
 /// The identity of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,7 +245,7 @@ impl Evaluations {
     /// The evaluations whose records are in `folder`, which need not exist.
     pub fn new(folder: &Path) -> Evaluations {
         let store = EvaluationStore::new(folder, build_name());
-        let observer = Observer(Box::new(|_| {}));
+        let observer: Observer = Box::new(|_| {});
         let (cache_hits, computed) = (AtomicUsize::new(0), AtomicUsize::new(0));
         Evaluations { store, share: Share::WHOLE, observer, cache_hits, computed }
     }
@@ -264,12 +257,12 @@ impl Evaluations {
 
     /// The evaluations that tell `observer` of every run, by several threads and without a lock.
     pub fn with_observer(self, observer: impl Fn(RunEvent<'_>) + Send + Sync + 'static) -> Evaluations {
-        Evaluations { observer: Observer(Box::new(observer)), ..self }
+        Evaluations { observer: Box::new(observer), ..self }
     }
 
     /// Tells the observer of a run.
     pub(crate) fn tell(&self, event: RunEvent<'_>) {
-        (self.observer.0)(event);
+        (self.observer)(event);
     }
 
     /// Counts a run that is taken from what is known.

@@ -72,15 +72,10 @@ pub(super) struct MeshError {
     /// One standard deviation of what the correction is uncertain by, of all bins together.
     pub(super) remainder: DVector<f64>,
     /// The order of convergence.
-    order: f64,
+    pub(super) order: f64,
 }
 
 impl MeshError {
-    /// The order of convergence.
-    pub(super) fn order(&self) -> f64 {
-        self.order
-    }
-
     /// From means on elements as they are and of half the size, and of twice the size where there are any (Richardson).
     fn new(own: &DVector<f64>, finer: &DVector<f64>, coarser: Option<&DVector<f64>>) -> MeshError {
         let change = finer - own;

@@ -81,7 +81,7 @@ pub fn engine(limits: Limits) -> Engine {
         .set_max_map_size(MOST_VALUES);
     let session = Session::default();
     engine.set_module_resolver(Resolver(session.programs().clone()));
-    engine.set_default_tag(session);
+    engine.set_default_tag(Dynamic::from(session));
     stop_beyond(&mut engine, limits, &Cancellation::default());
     super::fault::register(&mut engine);
     super::values::register_sort(&mut engine);

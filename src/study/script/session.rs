@@ -3,7 +3,6 @@
 use std::any::Any;
 use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -56,15 +55,6 @@ pub struct Session {
     run_findings: Arc<Mutex<RunFindings>>,
     modules: Arc<Mutex<(Vec<ShippedModule>, bool)>>,
     programs: Programs,
-}
-
-impl fmt::Debug for Session {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Session")
-            .field("recordings", &self.recordings)
-            .field("trial", &self.trial)
-            .finish_non_exhaustive()
-    }
 }
 
 /// The record that host functions keep of one evaluation of an objective.
@@ -245,12 +235,6 @@ impl Session {
     }
 }
 
-impl From<Session> for Dynamic {
-    fn from(session: Session) -> Dynamic {
-        Dynamic::from(session)
-    }
-}
-
 thread_local! {
     /// Whether this thread interprets a script, which reports what panics.
     static INTERPRETS: Cell<bool> = const { Cell::new(false) };
@@ -328,7 +312,7 @@ mod tests {
         let mut engine = engine(Limits::POST);
         engine.register_fn("trial", |context: NativeCallContext| Session::from_context(&context).is_trial());
         assert!(!engine.eval::<bool>("trial()").unwrap());
-        engine.set_default_tag(Session::default().with_trial(&Cancellation::default()));
+        engine.set_default_tag(Dynamic::from(Session::default().with_trial(&Cancellation::default())));
         assert!(engine.eval::<bool>("[1].map(|x| trial())[0]").unwrap());
     }
 }

@@ -63,15 +63,6 @@ pub(crate) struct Case {
     pub keys: EvaluationKeys,
 }
 
-/// Why a run of a sweep cannot start.
-#[derive(Debug)]
-pub(crate) enum CaseError {
-    /// Its values make no valid scenario.
-    Refused(String),
-    /// Something else failed.
-    Evaluation(EvaluationError),
-}
-
 impl Sweep {
     /// The sweep of the scenario in `document`, of `samples` runs in place of the number that is written.
     ///
@@ -155,27 +146,26 @@ impl Sweep {
     /// # Errors
     /// A mesh or a reference cannot be read.
     pub fn keys(&self) -> Result<Vec<Option<EvaluationKeys>>, EvaluationError> {
-        let key = |place| match self.case(place) {
-            Ok(case) => Ok(Some(case.keys)),
-            Err(CaseError::Refused(_)) => Ok(None),
-            Err(CaseError::Evaluation(error)) => Err(error),
-        };
+        let key = |place| Ok(self.case(place)?.ok().map(|case| case.keys));
         (0..self.len()).into_par_iter().map(key).collect()
     }
 
-    /// The run at `place`, checked.
-    pub(crate) fn case(&self, place: usize) -> Result<Case, CaseError> {
+    /// The run at `place`, checked; why its values make no valid scenario is within.
+    pub(crate) fn case(&self, place: usize) -> Result<Result<Case, String>, EvaluationError> {
         let document = self.document(place);
-        let model = model::check(&document)
-            .map_err(|mistakes| CaseError::Refused(refusal(&mistakes, &self.variation.factors)))?;
-        let plan = match Plan::is_common(&model, &self.model) {
-            true => self.plan.clone(),
-            false => Plan::prepare(&model).map_err(|error| CaseError::Refused(error.to_string()))?,
+        let plan = |model: &Model| match Plan::is_common(model, &self.model) {
+            true => Ok(self.plan.clone()),
+            false => Plan::prepare(model).map_err(|error| error.to_string()),
+        };
+        let model = model::check(&document).map_err(|mistakes| refusal(&mistakes, &self.variation.factors));
+        let (model, plan) = match model.and_then(|model| Ok((plan(&model)?, model))) {
+            Ok((plan, model)) => (model, plan),
+            Err(cause) => return Ok(Err(cause)),
         };
         let warnings = model::warnings(&document, &model);
         let plan = plan.with_findings(warnings.iter().map(Finding::new).collect());
-        let keys = Evaluations::keys(&model, &plan).map_err(CaseError::Evaluation)?;
-        Ok(Case { model, plan, keys })
+        let keys = Evaluations::keys(&model, &plan)?;
+        Ok(Ok(Case { model, plan, keys }))
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Case, CaseError, Sweep};
+use super::{Case, Sweep};
 use crate::evaluate::{Evaluated, Evaluation, EvaluationError, EvaluationKeys, Evaluations, RunEvent};
 use crate::store::evaluations::Share;
 use base::cancellation::Cancellation;
@@ -44,7 +44,7 @@ pub enum Event<'a> {
 }
 
 /// A sweep and how a process works on it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Work<'a> {
     /// The sweep.
     pub sweep: &'a Sweep,
@@ -228,10 +228,9 @@ impl State<'_> {
 
     fn take(&self, place: usize) -> Result<(), EvaluationError> {
         let Work { sweep, evaluations, gather, .. } = self.work;
-        let Case { model, plan, keys } = match sweep.case(place) {
+        let Case { model, plan, keys } = match sweep.case(place)? {
             Ok(case) => case,
-            Err(CaseError::Evaluation(error)) => return Err(error),
-            Err(CaseError::Refused(cause)) => {
+            Err(cause) => {
                 evaluations.tell(RunEvent::Refused(&cause));
                 self.refuse(place, cause);
                 return Ok(());
@@ -403,8 +402,8 @@ fn others(evaluations: &Evaluations) -> usize {
 fn unknown_share(sweep: &Sweep, evaluations: &Evaluations, places: &[usize]) -> f64 {
     let begin = Instant::now();
     let is_unknown = |place: usize| match sweep.case(place) {
-        Ok(Case { keys, .. }) => !evaluations.store().contains(keys.figures).unwrap_or(false),
-        Err(_) => false,
+        Ok(Ok(Case { keys, .. })) => !evaluations.store().contains(keys.figures).unwrap_or(false),
+        _ => false,
     };
     let (mut looked, mut unknown) = (0_usize, 0_usize);
     // In steps that cover the places evenly, however early it ends.
@@ -482,7 +481,7 @@ mod tests {
 
     fn compute(sweep: &Sweep, evaluations: &Evaluations, places: impl Iterator<Item = usize>) {
         for place in places {
-            let Case { model, plan, keys } = sweep.case(place).unwrap();
+            let Case { model, plan, keys } = sweep.case(place).unwrap().unwrap();
             evaluations.evaluate(&model, &plan, keys, &Cancellation::default()).unwrap();
         }
     }

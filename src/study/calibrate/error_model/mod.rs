@@ -402,7 +402,7 @@ impl ErrorModel {
 
     /// The order at which the signal converges with its elements.
     pub(super) fn mesh_order(&self) -> Option<f64> {
-        self.mesh.as_ref().map(|own| own.order())
+        self.mesh.as_ref().map(|own| own.order)
     }
 
     /// The correction for the elements, and what it is uncertain by, as residuals.

@@ -179,7 +179,7 @@ impl Density<'_> {
         let of_signals = surrogate.log_likelihood(&found, self.layout.share(state, self.plan));
         let of_outcomes = own.outcomes.as_ref().map_or(0.0, |outcomes| {
             let breaks = self.breaks[test].with_values(&self.plan.values(&x));
-            outcomes.log_likelihood(&found.demands, surrogate.demand_errors(), &breaks)
+            outcomes.log_likelihood(&found.demands, &surrogate.demand_errors, &breaks)
         });
         own.weight * (own.of_signals * of_signals + of_outcomes)
     }

@@ -47,7 +47,7 @@ pub(super) struct TestSurrogate {
     likelihood: OverShares,
     demands: Vec<Output>,
     /// Variances of the errors of the demands.
-    demand_errors: Vec<f64>,
+    pub(super) demand_errors: Vec<f64>,
 }
 
 /// What a surrogate says at a point.
@@ -118,11 +118,6 @@ impl TestSurrogate {
     /// The same for each shape.
     pub(super) fn of_shapes(&self, found: &Found, share: f64) -> Vec<f64> {
         self.likelihood.of_shapes(&found.amplitudes, share)
-    }
-
-    /// Variances of the errors of the demands.
-    pub(super) fn demand_errors(&self) -> &[f64] {
-        &self.demand_errors
     }
 }
 

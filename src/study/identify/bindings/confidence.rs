@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
 use crate::identify::bindings::minimize::{self, ScriptSearch, unknown, unknown_option, word};
-use crate::identify::bindings::{SearchHost, integer};
+use crate::identify::bindings::{SearchEvent, SearchHost, integer};
 use crate::identify::evaluator::linearize_at_start;
 use crate::identify::objective::refused;
 use crate::script::{HostResult, findings_map, list, number, refuse};
@@ -164,7 +164,7 @@ fn confidence(host: &SearchHost, context: &NativeCallContext, request: &Request)
         Some(title) => format!("Correlation: {title}"),
         None => "Correlation".into(),
     };
-    host.report_correlation(&plotted(&confidence, title));
+    (host.observer)(SearchEvent::Correlation(&plotted(&confidence, title)));
     Ok(of_confidence(&confidence))
 }
 

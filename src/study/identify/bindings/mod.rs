@@ -197,11 +197,6 @@ impl SearchHost {
         }))
     }
 
-    /// Reports the correlation of parameters.
-    fn report_correlation(&self, correlation: &Correlation) {
-        (self.observer)(SearchEvent::Correlation(correlation));
-    }
-
     /// Says how far what follows a search is.
     pub(crate) fn tell(&self, text: &str) {
         (self.observer)(SearchEvent::Followed(text));

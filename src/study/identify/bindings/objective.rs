@@ -91,7 +91,7 @@ impl<'c> ScriptObjective<'c> {
 
     fn call(&self, x: &[f64], session: &Session) -> HostResult<Dynamic> {
         let mut global = self.global.clone();
-        global.tag = session.clone().into();
+        global.tag = Dynamic::from(session.clone());
         let context = NativeCallContext::new_with_all_fields(self.engine, self.name, None, &global, self.position);
         let x: Array = x.iter().map(|x| Dynamic::from(*x)).collect();
         let call = || unshared(&self.call).call_raw(&context, None, [Dynamic::from(x)]);
