@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
@@ -412,19 +412,13 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
 /// Takes the places by all threads, in this order; the results are in the order of the places. After an error nothing more
 /// is begun, and what is left has that error.
 fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sync) -> Vec<HostResult<T>> {
-    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let worker = |_: usize| {
-        std::iter::from_fn(|| {
-            let place =
-                *order.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !is_over.load(Ordering::Relaxed))?;
-            let found = take(place);
-            is_over.fetch_or(found.is_err(), Ordering::Relaxed);
-            Some((place, found))
-        })
-        .collect::<Vec<_>>()
+    let is_over = AtomicBool::new(false);
+    let taken = |place: &usize| {
+        let found = (!is_over.load(Ordering::Relaxed)).then(|| take(*place))?;
+        is_over.fetch_or(found.is_err(), Ordering::Relaxed);
+        Some((*place, found))
     };
-    let mut found: Vec<(usize, HostResult<T>)> =
-        (0..rayon::current_num_threads()).into_par_iter().flat_map_iter(worker).collect();
+    let mut found: Vec<(usize, HostResult<T>)> = order.iter().par_bridge().filter_map(taken).collect();
     found.sort_by_key(|(place, _)| *place);
     match found.len() == order.len() {
         true => found.into_iter().map(|(_, found)| found).collect(),

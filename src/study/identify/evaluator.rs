@@ -248,11 +248,8 @@ fn linearize(search: &Search, evaluator: &Evaluator<'_>, fewest: usize) -> Resul
             .flat_map(|(index, steps)| steps.iter().flatten().map(move |step| moved(x, index, *step))),
     );
     let mut found = evaluator.evaluate_all(&points)?.into_iter();
-    let residuals = match found.next() {
-        Some(found) => residuals(found)?
-            .map_err(|failed| failed.at(format!("the objective has no value at the estimate {x:?}")))?,
-        None => return Err(SearchError::Ended),
-    };
+    let first = found.next().ok_or(SearchError::Ended)?;
+    let residuals = residuals(first, || format!("the objective has no value at the estimate {x:?}"))?;
     if residuals.len() < fewest {
         return Err(refused!(
             "the objective gave {found} residuals for {unknowns} parameters: there must be more residuals than parameters",
@@ -288,9 +285,10 @@ fn set_column(
     let mut failure = None;
     for (step, found) in sides {
         let x = moved(&linearization.x, index, step);
-        match residuals(found)? {
+        match residuals(found, || beside_parameter(&x)) {
             Ok(there) => slopes.push((step, difference(linearization, &x, there)?)),
-            Err(failed) => failure = Some(failed.at(beside_parameter(&x))),
+            Err(failed @ SearchError::Trial { .. }) => failure = Some(failed),
+            Err(error) => return Err(error),
         }
     }
     let slope = match (&slopes[..], failure) {
@@ -307,8 +305,8 @@ fn set_column(
         (_, None) => return Err(SearchError::Ended),
     };
     if slope.iter().any(|slope| !slope.is_finite()) {
-        let failed = Failed { cause: "the differences of the residuals overflow".into(), numerical: false };
-        return Err(failed.at(beside_parameter(&linearization.x)));
+        let (place, cause) = (beside_parameter(&linearization.x), "the differences of the residuals overflow".into());
+        return Err(SearchError::Trial { place, cause, numerical: false });
     }
     linearization.jacobian.set_column(index, &slope);
     Ok(())
@@ -331,29 +329,13 @@ fn steps(search: &Search, index: usize) -> [Option<f64>; 2] {
     [Some(step).filter(within), Some(-step).filter(within)]
 }
 
-/// Why a trial has no residuals.
-struct Failed {
-    cause: String,
-    /// Whether a simulation failed numerically.
-    numerical: bool,
-}
-
-impl Failed {
-    /// The error of a trial at this place.
-    fn at(self, place: String) -> SearchError {
-        SearchError::Trial { place, cause: self.cause, numerical: self.numerical }
-    }
-}
-
-/// Residuals, or why the trial failed.
-fn residuals(found: Evaluation) -> Result<Result<Vec<f64>, Failed>, SearchError> {
-    match found {
-        Evaluation::Value(ObjectiveValue::Residuals(residuals)) => Ok(Ok(residuals)),
-        Evaluation::Value(ObjectiveValue::Scalar(_)) => {
-            Err(refused!("the objective gave a number, and a confidence needs residuals: return a signal or a list",))
+/// The residuals of a trial at this place.
+fn residuals(found: Evaluation, place: impl FnOnce() -> String) -> Result<Vec<f64>, SearchError> {
+    match found.value_at(place)? {
+        ObjectiveValue::Residuals(residuals) => Ok(residuals),
+        ObjectiveValue::Scalar(_) => {
+            Err(refused!("the objective gave a number, and a confidence needs residuals: return a signal or a list"))
         }
-        Evaluation::Failed { cause, numerical } => Ok(Err(Failed { cause, numerical })),
-        Evaluation::Fatal(cause) => Err(cause.into()),
     }
 }
 

@@ -124,6 +124,15 @@ impl Evaluation {
     pub fn failed(cause: impl Into<String>) -> Evaluation {
         Evaluation::Failed { cause: cause.into(), numerical: false }
     }
+
+    /// The value; a trial that failed is an error at this place.
+    pub(super) fn value_at(self, place: impl FnOnce() -> String) -> Result<ObjectiveValue, SearchError> {
+        match self {
+            Evaluation::Value(value) => Ok(value),
+            Evaluation::Failed { cause, numerical } => Err(SearchError::Trial { place: place(), cause, numerical }),
+            Evaluation::Fatal(error) => Err(error.into()),
+        }
+    }
 }
 
 /// A value that is not finite is a failed trial.

@@ -231,10 +231,7 @@ impl Draft {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => false,
                 Err(error) => return Err(write(error)),
             };
-            let moved = match replaced {
-                true => self.check(&former_run, target, force),
-                false => Ok(()),
-            };
+            let moved = if replaced { self.check(&former_run, target, force) } else { Ok(()) };
             let moved = moved.and_then(|()| rename(self.path().into(), target.into()).map_err(write));
             let Err(error) = moved else {
                 // The temporary folder was renamed: there is nothing left to remove.

@@ -79,14 +79,7 @@ impl<'c> Trials<'c> {
 
     /// The value at a start, without which a search has nothing to improve. Not counted: the method requests it again.
     pub(in crate::identify) fn at_start(&self, x: &[f64]) -> Result<ObjectiveValue, SearchError> {
-        match self.evaluator.evaluate(x)? {
-            Evaluation::Value(value) => Ok(value),
-            Evaluation::Failed { cause, numerical } => {
-                let place = format!("the objective has no value at the start {x:?}");
-                Err(SearchError::Trial { place, cause, numerical })
-            }
-            Evaluation::Fatal(error) => Err(error.into()),
-        }
+        self.evaluator.evaluate(x)?.value_at(|| format!("the objective has no value at the start {x:?}"))
     }
 
     /// The value at `x`; none where the trial failed and counts as worst.
