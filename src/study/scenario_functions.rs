@@ -247,7 +247,6 @@ impl Study {
         let Some(found) = found else { return Ok(None) };
         let outcome = found.map_err(|NoOutcome { cause, is_numerical }| {
             let cause = format!("{}: {cause}", model.name);
-            session.add_failure(&cause);
             if is_numerical { numerical_failure(cause) } else { refuse(cause) }
         })?;
         if let Some(time) = outcome.rupture_time {

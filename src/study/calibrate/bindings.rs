@@ -30,14 +30,19 @@ use uncertainty::statistics::quantiles;
 /// What scripts are checked against before they run, since a search takes long.
 const DECLARED: [CallOptions; 6] = [
     CallOptions { of: "calibrate", function: "calibrate", inside: None, names: file::options },
-    CallOptions { of: "a test of calibrate", function: "calibrate", inside: Some("tests"), names: file::test_options },
+    CallOptions {
+        of: "a test of calibrate",
+        function: "calibrate",
+        inside: Some("tests"),
+        names: || file::options_at(file::TEST),
+    },
     CallOptions {
         of: "a parameter of calibrate",
         function: "calibrate",
         inside: Some("parameters"),
         names: || [&file::parameter_options()[..], &parameter::CURVE_OPTIONS].concat(),
     },
-    CallOptions { of: "posterior", function: "posterior", inside: None, names: file::posterior_options },
+    CallOptions { of: "posterior", function: "posterior", inside: None, names: || file::options_at("posterior") },
     CallOptions { of: "predict", function: "predict", inside: None, names: file::predict_options },
     CallOptions { of: "angles", function: "angles", inside: None, names: || angles::OPTIONS.into() },
 ];
@@ -381,7 +386,7 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
 
 /// `#{ scatter, runs, rounds, steps, seed }`, and what scatters over specimens.
 fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) -> HostResult<PosteriorOptions> {
-    options.check(&file::posterior_options())?;
+    options.check(&file::options_at("posterior"))?;
     let scatter = options.optional_number("scatter")?;
     if scatter.is_some_and(|scatter| !(scatter > 0.0 && scatter.is_finite())) {
         return Err(refuse("`scatter` is the standard deviation over specimens that is expected at most, above zero"));

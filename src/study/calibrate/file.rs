@@ -51,6 +51,9 @@ pub fn rule() -> &'static Rule {
     &RULE
 }
 
+/// The path of the keys of a test.
+pub(super) const TEST: &str = "test.0";
+
 /// The names of the keys of a table, in their order.
 fn names(table: Option<&'static TableRule>) -> impl Iterator<Item = &'static str> {
     table.into_iter().flat_map(|table| &table.keys).map(|key| key.name.as_str())
@@ -62,9 +65,9 @@ pub(super) fn options() -> Vec<&'static str> {
     own.map(|name| if name == "test" { "tests" } else { name }).collect()
 }
 
-/// Options of a test.
-pub(super) fn test_options() -> Vec<&'static str> {
-    names(rule().at("test.0").and_then(Rule::table)).collect()
+/// The options whose keys are those of the table at a path, such as those of a test.
+pub(super) fn options_at(path: &str) -> Vec<&'static str> {
+    names(rule().at(path).and_then(Rule::table)).collect()
 }
 
 /// Options of a parameter that is no curve.
@@ -73,14 +76,9 @@ pub(super) fn parameter_options() -> Vec<&'static str> {
     names(parameters.and_then(|table| table.others.as_deref()).and_then(Rule::table)).collect()
 }
 
-/// Options of `posterior`.
-pub(super) fn posterior_options() -> Vec<&'static str> {
-    names(rule().at("posterior").and_then(Rule::table)).collect()
-}
-
 /// Options of `predict`.
 pub(super) fn predict_options() -> Vec<&'static str> {
-    names(rule().at("predict").and_then(Rule::table)).filter(|name| *name != "scenarios").collect()
+    options_at("predict").into_iter().filter(|name| *name != "scenarios").collect()
 }
 
 /// A study that was read.
@@ -469,9 +467,9 @@ mod tests {
     #[test]
     fn options_of_scripts_are_keys_of_the_file() {
         assert_eq!(options()[..3], ["tests", "parameters", "noise"]);
-        assert_eq!(test_options()[..3], ["scenario", "name", "set"]);
+        assert_eq!(options_at(TEST)[..3], ["scenario", "name", "set"]);
         assert_eq!(parameter_options(), ["key", "start", "within", "log", "prior", "tests", "scatter"]);
-        assert_eq!(posterior_options().len() + predict_options().len(), 12);
+        assert_eq!(options_at("posterior").len() + predict_options().len(), 12);
         assert!(rule().at("candidate.0.compare").is_some() && rule().at("candidate.0.recordings").is_none());
     }
 }

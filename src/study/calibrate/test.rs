@@ -80,7 +80,7 @@ impl Test {
         let map = given.read_lock::<Map>().map(|map| map.clone());
         let map =
             map.ok_or_else(|| refuse!("a test of calibrate is a map with `scenario` and `compare`, not {given}"))?;
-        let options = Options::new("a test of calibrate", &map, &super::file::test_options())?;
+        let options = Options::new("a test of calibrate", &map, &super::file::options_at(super::file::TEST))?;
         let study = scenarios.changed(&options, "`set` of a test", session)?;
         let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
         let in_test = |text: String| refuse!("test `{name}`: {text}");

@@ -24,9 +24,48 @@ use membrane::material;
 #[derive(Clone)]
 pub struct Reduced(pub Arc<Reduction>);
 
-/// Offers the types `coupon` and `reduction` and their functions to scripts.
+/// Offers the types `coupon`, `reduction` and `curve`, their functions and means to scripts.
 pub(super) fn register(engine: &mut Engine) {
-    engine.register_type_with_name::<Coupon>("coupon").register_type_with_name::<Reduced>("reduction");
+    engine
+        .register_type_with_name::<Coupon>("coupon")
+        .register_type_with_name::<Reduced>("reduction")
+        .register_type_with_name::<Curve>("curve");
+    engine
+        .register_fn("curve", build)
+        .register_fn("len", |curve: &mut Curve| curve.strain().len() as INT)
+        .register_fn("to_string", describe)
+        .register_fn("strains", |curve: &mut Curve| list(curve.strain()))
+        .register_fn("stresses", |curve: &mut Curve| list(curve.stress()))
+        .register_fn("start", |curve: &mut Curve| curve.range()[0])
+        .register_fn("end", |curve: &mut Curve| curve.range()[1])
+        .register_fn("at", value_at)
+        .register_fn("slice", slice)
+        .register_fn("resultants", |curve: &mut Curve, thickness: Dynamic| {
+            Ok::<_, Box<EvalAltResult>>(list(&curve.resultant(number(&thickness, "the thickness")?)))
+        })
+        .register_fn("modulus", |curve: &mut Curve| slope(curve, WINDOW))
+        .register_fn("modulus", |curve: &mut Curve, window: Dynamic| slope(curve, script::window(&window)?))
+        .register_fn("toe_compensated", toe_compensated)
+        .register_fn("rupture", |curve: &mut Curve| rupture(curve, BREAK_SHARE))
+        .register_fn("rupture", |curve: &mut Curve, share: Dynamic| rupture(curve, number(&share, "the share")?))
+        .register_fn("yield_points", |curve: &mut Curve| yields(curve, WINDOW))
+        .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, script::window(&window)?))
+        .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
+        .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
+        .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
+        .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
+            let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
+            Session::from_context(&context).add_comparison(|| Compared::curves(&curve, &reference));
+            Ok::<_, Box<EvalAltResult>>(list(&residuals))
+        })
+        .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
+            let reference = number(&reference, "the reference")?;
+            Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
+        })
+        .register_fn("spread", |figures: Array| {
+            let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
+            Ok::<_, Box<EvalAltResult>>(shown(&spread))
+        });
     engine
         .register_fn("coupon", |strip: Map| coupon(&Options { of: "coupon", map: &strip }))
         .register_fn("curve", |coupon: &mut Coupon, force: Series, displacement: Series| {
@@ -183,47 +222,6 @@ fn direction_map(along: &DirectionMeans) -> Map {
         ("speeds", along.speeds.iter().map(with_curve).collect::<Array>().into()),
     ];
     record(along, others)
-}
-
-/// Offers the type `curve`, its functions and means to scripts.
-pub(super) fn register_curves(engine: &mut Engine) {
-    engine.register_type_with_name::<Curve>("curve");
-    engine
-        .register_fn("curve", build)
-        .register_fn("len", |curve: &mut Curve| curve.strain().len() as INT)
-        .register_fn("to_string", describe)
-        .register_fn("strains", |curve: &mut Curve| list(curve.strain()))
-        .register_fn("stresses", |curve: &mut Curve| list(curve.stress()))
-        .register_fn("start", |curve: &mut Curve| curve.range()[0])
-        .register_fn("end", |curve: &mut Curve| curve.range()[1])
-        .register_fn("at", value_at)
-        .register_fn("slice", slice)
-        .register_fn("resultants", |curve: &mut Curve, thickness: Dynamic| {
-            Ok::<_, Box<EvalAltResult>>(list(&curve.resultant(number(&thickness, "the thickness")?)))
-        })
-        .register_fn("modulus", |curve: &mut Curve| slope(curve, WINDOW))
-        .register_fn("modulus", |curve: &mut Curve, window: Dynamic| slope(curve, script::window(&window)?))
-        .register_fn("toe_compensated", toe_compensated)
-        .register_fn("rupture", |curve: &mut Curve| rupture(curve, BREAK_SHARE))
-        .register_fn("rupture", |curve: &mut Curve, share: Dynamic| rupture(curve, number(&share, "the share")?))
-        .register_fn("yield_points", |curve: &mut Curve| yields(curve, WINDOW))
-        .register_fn("yield_points", |curve: &mut Curve, window: Dynamic| yields(curve, script::window(&window)?))
-        .register_fn("mean_curve", |curves: Array| mean(&curves, mean_curve))
-        .register_fn("mean_law", |curves: Array| mean(&curves, mean_law))
-        .register_fn("mean_of_means", |groups: Array| mean_of_groups(&groups))
-        .register_fn("relative_residuals", |context: NativeCallContext, curve: Curve, reference: Curve| {
-            let residuals = relative_residuals(&curve, &reference).map_err(refuse)?;
-            Session::from_context(&context).add_comparison(|| Compared::curves(&curve, &reference));
-            Ok::<_, Box<EvalAltResult>>(list(&residuals))
-        })
-        .register_fn("relative_difference", |measured: Dynamic, reference: Dynamic| {
-            let reference = number(&reference, "the reference")?;
-            Ok::<_, Box<EvalAltResult>>(relative_difference(number(&measured, "a figure")?, reference))
-        })
-        .register_fn("spread", |figures: Array| {
-            let spread = SampleStatistics::from_figures(&numbers(&figures, "a figure")?).map_err(refuse)?;
-            Ok::<_, Box<EvalAltResult>>(shown(&spread))
-        });
 }
 
 fn build(strains: Array, stresses: Array) -> HostResult<Curve> {

@@ -24,11 +24,7 @@ pub fn engine(limits: Limits) -> Engine {
     let mut engine = script::engine(limits);
     Session::of_engine(&engine).ship(&[TABLES]);
     signal::register(&mut engine);
-    signal::register_measures(&mut engine);
-    signal::register_random(&mut engine);
-    signal::register_threshold(&mut engine);
     drop::register(&mut engine);
-    coupon::register_curves(&mut engine);
     coupon::register(&mut engine);
     law_fit::register(&mut engine);
     engine
@@ -37,17 +33,14 @@ pub fn engine(limits: Limits) -> Engine {
 /// Offers the functions that read files: recordings, tables, coupon tests; and lets scripts import modules in files.
 pub fn register_reading(engine: &mut Engine) {
     Session::of_engine(engine).read_modules();
-    reading::register_recordings(engine);
-    reading::register_tables(engine);
+    reading::register(engine);
     coupon::register_reading(engine);
     law_fit::register_reading(engine);
 }
 
 /// Offers the functions whose output `collector` takes: figures, tables, plots, files, the log.
 pub fn register_output(engine: &mut Engine, collector: &OutputCollector) {
-    output::register_results(collector, engine);
-    output::register_plots(collector, engine);
-    output::register_files(collector, engine);
+    output::register(collector, engine);
 }
 
 /// Helpers of the tests of script functions.

@@ -10,8 +10,9 @@ use lab::experiment::coupon;
 use lab::signal::Series;
 use plot::{self, Axis, Curve, Look, Plot, Scale, TIME, Window};
 
-/// Offers `answer`, `measure`, `table`, `log`, `print` and `warn` to scripts.
-pub(super) fn register_results(collector: &OutputCollector, engine: &mut Engine) {
+/// Offers `answer`, `measure`, `table`, `log`, `print`, `warn`, `plot`, `write_csv` and `write_text` to scripts; files are written with
+/// the other results, or not at all.
+pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
     let own = collector.clone();
     engine.register_fn("answer", move |sentence: &str| own.answer(sentence));
     let own = collector.clone();
@@ -33,6 +34,31 @@ pub(super) fn register_results(collector: &OutputCollector, engine: &mut Engine)
     let own = collector.clone();
     // The interpreter's own `print` cannot return an error: it drops lines past the limit.
     engine.on_print(move |line| drop(own.log(line)));
+    let own = collector.clone();
+    engine.register_fn("plot", move |title: &str, curves: Dynamic| {
+        own.plot(written(title, &Map::new(), &curves)?).map_err(refuse)
+    });
+    let own = collector.clone();
+    engine.register_fn("plot", move |title: &str, options: Map, curves: Dynamic| {
+        let plot = written(title, &options, &curves)?;
+        if let Some(name) = picture(&options)? {
+            own.file(File { name, content: plot::svg(&plot) }).map_err(refuse)?;
+        }
+        own.plot(plot).map_err(refuse)
+    });
+    let collect = |collector: &OutputCollector, name: &str, content: String| {
+        collector.file(File { name: name.into(), content }).map_err(refuse)
+    };
+    let own = collector.clone();
+    engine.register_fn("write_text", move |name: &str, text: &str| collect(&own, name, text.into()));
+    let own = collector.clone();
+    engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array| {
+        collect(&own, name, csv(&names, &columns, &Array::new())?)
+    });
+    let own = collector.clone();
+    engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array, comments: Array| {
+        collect(&own, name, csv(&names, &columns, &comments)?)
+    });
 }
 
 fn finding_of(map: Map) -> HostResult<Finding> {
@@ -73,22 +99,6 @@ const CURVE_POINTS: [usize; 2] = [200, 2_000];
 const PLOT_POINTS: usize = 12_000;
 
 const LOOKS: [(&str, Look); 3] = [("line", Look::Line), ("dashed", Look::Dashed), ("points", Look::Points)];
-
-/// Offers `plot` to scripts.
-pub(super) fn register_plots(collector: &OutputCollector, engine: &mut Engine) {
-    let own = collector.clone();
-    engine.register_fn("plot", move |title: &str, curves: Dynamic| {
-        own.plot(written(title, &Map::new(), &curves)?).map_err(refuse)
-    });
-    let own = collector.clone();
-    engine.register_fn("plot", move |title: &str, options: Map, curves: Dynamic| {
-        let plot = written(title, &options, &curves)?;
-        if let Some(name) = picture(&options)? {
-            own.file(File { name, content: plot::svg(&plot) }).map_err(refuse)?;
-        }
-        own.plot(plot).map_err(refuse)
-    });
-}
 
 /// One curve from a script.
 struct Given {
@@ -256,23 +266,6 @@ fn marked(options: &Options<'_>, factor: f64) -> HostResult<Option<Window>> {
     Ok(Some(Window { label, range: [from * factor, to * factor] }))
 }
 
-/// Offers `write_csv` and `write_text` to scripts; their files are written with the other results, or not at all.
-pub(super) fn register_files(collector: &OutputCollector, engine: &mut Engine) {
-    let collect = |collector: &OutputCollector, name: &str, content: String| {
-        collector.file(File { name: name.into(), content }).map_err(refuse)
-    };
-    let own = collector.clone();
-    engine.register_fn("write_text", move |name: &str, text: &str| collect(&own, name, text.into()));
-    let own = collector.clone();
-    engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array| {
-        collect(&own, name, csv(&names, &columns, &Array::new())?)
-    });
-    let own = collector.clone();
-    engine.register_fn("write_csv", move |name: &str, names: Array, columns: Array, comments: Array| {
-        collect(&own, name, csv(&names, &columns, &comments)?)
-    });
-}
-
 /// The text of a table: comments, a header, one row per value; a number that is not finite leaves its cell empty.
 fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if names.len() != columns.len() {
@@ -289,12 +282,11 @@ fn csv(names: &Array, columns: &Array, comments: &Array) -> HostResult<String> {
     if rows.saturating_mul(columns.len()) > MOST_BYTES {
         return Err(refuse(too_many_bytes()));
     }
-    let comments: String = comments.iter().flat_map(|comment| comment_lines(&comment.to_string())).collect();
+    let comments: String = comments
+        .iter()
+        .map(|comment| comment.to_string().lines().map(|line| format!("# {line}\n")).collect::<String>())
+        .collect();
     table(comments, names, &columns, MOST_BYTES)
-}
-
-fn comment_lines(comment: &str) -> Vec<String> {
-    comment.lines().map(|line| format!("# {line}\n")).collect()
 }
 
 /// The `comments` followed by the table.

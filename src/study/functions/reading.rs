@@ -11,8 +11,8 @@ use base::units::Unit;
 use lab::signal::file::{self, ReadOptions};
 use lab::signal::{Measurement, Series};
 
-/// Offers the type `measurement` to scripts that may read files.
-pub(super) fn register_recordings(engine: &mut Engine) {
+/// Offers the type `measurement` and `read_table` to scripts that may read files.
+pub(super) fn register(engine: &mut Engine) {
     engine
         .register_type_with_name::<Measurement>("measurement")
         .register_fn("read_recording", |context: NativeCallContext, path: &str| {
@@ -26,7 +26,8 @@ pub(super) fn register_recordings(engine: &mut Engine) {
         .register_fn("unit", unit)
         .register_fn("filter_class", filter_class)
         .register_fn("channel", |m: &mut Measurement, name: &str| channel(m, name))
-        .register_indexer_get(|m: &mut Measurement, name: &str| channel(m, name));
+        .register_indexer_get(|m: &mut Measurement, name: &str| channel(m, name))
+        .register_fn("read_table", |path: &str| read_table(Path::new(path)));
 }
 
 /// The path is relative to the working directory.
@@ -106,11 +107,6 @@ const LONGEST: u64 = 1 << 20;
 
 /// Most cells that are read, the limit of lists.
 const MOST_CELLS: usize = 10_000;
-
-/// Offers `read_table` to scripts that may read files.
-pub(super) fn register_tables(engine: &mut Engine) {
-    engine.register_fn("read_table", |path: &str| read_table(Path::new(path)));
-}
 
 /// One map per row, by the names in the header; `#` lines are comments, an empty cell is `()`.
 fn read_table(path: &Path) -> HostResult<Array> {

@@ -13,7 +13,7 @@ use lab::signal::{Series, hic, integrate, norm, rating, resample};
 
 type Operator = fn(f64, f64) -> f64;
 
-/// Offers the type `signal` and its functions to scripts.
+/// Offers the types `signal` and `random`, their functions and `threshold` to scripts.
 pub(crate) fn register(engine: &mut Engine) {
     engine.register_type_with_name::<Series>("signal");
     engine
@@ -37,11 +37,27 @@ pub(crate) fn register(engine: &mut Engine) {
         .register_fn("filtered_sae", |s: &mut Series, class: Dynamic| filtered(s, &class, Standard::SaeJ211))
         .register_fn("abs", |s: &mut Series| map(s, f64::abs))
         .register_fn("relative_error", relative_error)
-        .register_fn("relative_residuals", relative_residuals);
-    register_operators(engine);
-}
-
-fn register_operators(engine: &mut Engine) {
+        .register_fn("relative_residuals", relative_residuals)
+        .register_fn("hic", |s: &mut Series, window: Dynamic| {
+            let found = hic::head_injury_criterion(s, seconds(&window, "the window")?);
+            found.map(|hic| hic.value).map_err(refuse)
+        })
+        .register_fn("hic_d", hic_d)
+        .register_fn("clip", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Cumulative))
+        .register_fn("clip_contiguous", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Contiguous))
+        .register_fn("rate", rate)
+        .register_fn("resampled", resampled)
+        .register_fn("shifted", shifted)
+        .register_fn("time", |s: &mut Series| Series::new(s.time().to_vec(), s.time().to_vec()))
+        .register_fn("times", |context: NativeCallContext, s: &mut Series| list(&context, s.time()))
+        .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()))
+        .register_type_with_name::<Stream>("random")
+        // By its bits, so that a negative number is a seed too.
+        .register_fn("random", |seed: INT| Stream::seed_from_u64(seed.cast_unsigned()))
+        .register_fn("uniform", |stream: &mut Stream| -> f64 { StandardUniform.sample(stream) })
+        .register_fn("normal", |stream: &mut Stream| -> f64 { StandardNormal.sample(stream) })
+        .register_fn("normals", normals)
+        .register_fn("threshold", threshold);
     engine.register_fn("-", |s: Series| map(&s, |v| -v));
     let operators: [(&str, Operator); 4] =
         [("+", |a, b| a + b), ("-", |a, b| a - b), ("*", |a, b| a * b), ("/", |a, b| a / b)];
@@ -141,23 +157,6 @@ fn relative_residuals(
 /// Most samples of a resampled signal.
 const MOST_SAMPLES: f64 = 1e6;
 
-pub(crate) fn register_measures(engine: &mut Engine) {
-    engine
-        .register_fn("hic", |s: &mut Series, window: Dynamic| {
-            let found = hic::head_injury_criterion(s, seconds(&window, "the window")?);
-            found.map(|hic| hic.value).map_err(refuse)
-        })
-        .register_fn("hic_d", hic_d)
-        .register_fn("clip", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Cumulative))
-        .register_fn("clip_contiguous", |s: &mut Series, duration: Dynamic| clip(s, &duration, Counting::Contiguous))
-        .register_fn("rate", rate)
-        .register_fn("resampled", resampled)
-        .register_fn("shifted", shifted)
-        .register_fn("time", |s: &mut Series| Series::new(s.time().to_vec(), s.time().to_vec()))
-        .register_fn("times", |context: NativeCallContext, s: &mut Series| list(&context, s.time()))
-        .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()));
-}
-
 fn hic_d(s: &mut Series) -> HostResult<f64> {
     hic::head_injury_criterion(s, hic::LONG_WINDOW).map(|hic| hic::dummy_equivalent(hic.value)).map_err(refuse)
 }
@@ -216,17 +215,6 @@ const MOST: INT = 10_000;
 /// A stream of random numbers.
 type Stream = ChaCha8Rng;
 
-/// Offers `random(seed)` to scripts.
-pub(crate) fn register_random(engine: &mut Engine) {
-    engine
-        .register_type_with_name::<Stream>("random")
-        // By its bits, so that a negative number is a seed too.
-        .register_fn("random", |seed: INT| Stream::seed_from_u64(seed.cast_unsigned()))
-        .register_fn("uniform", |stream: &mut Stream| -> f64 { StandardUniform.sample(stream) })
-        .register_fn("normal", |stream: &mut Stream| -> f64 { StandardNormal.sample(stream) })
-        .register_fn("normals", normals);
-}
-
 fn normals(stream: &mut Stream, count: INT) -> Result<Array, Box<EvalAltResult>> {
     if !(0..=MOST).contains(&count) {
         return Err(refuse!("expected a count of 0 to {MOST} random numbers, found {count}"));
@@ -237,11 +225,6 @@ fn normals(stream: &mut Stream, count: INT) -> Result<Array, Box<EvalAltResult>>
 
 /// Most halvings: the bits of a number.
 const MOST_HALVINGS: u32 = 64;
-
-/// Offers `threshold` to scripts.
-pub(crate) fn register_threshold(engine: &mut Engine) {
-    engine.register_fn("threshold", threshold);
-}
 
 /// The two ends, the one nearer to `from` first, of an interval no longer than `tolerance` between `from` and `to` over
 /// which the condition changes, by bisection.

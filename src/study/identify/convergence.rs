@@ -103,6 +103,7 @@ pub(crate) fn convergence_history(
     is_virtual: bool,
     compared: Vec<Compared>,
 ) -> ConvergenceHistory {
+    let iterate = |own: &Iteration| Iterate { iteration: own.iteration, f: own.f, x: own.x.clone() };
     let objective = |start: &StartResult| thinned(&start.history, MAX_ITERATIONS).map(|i| (i.iteration, i.f)).collect();
     ConvergenceHistory {
         title,
@@ -113,10 +114,6 @@ pub(crate) fn convergence_history(
         fits: compared.into_iter().enumerate().map(|(index, compared)| labels.fit(index, compared)).collect(),
         is_virtual,
     }
-}
-
-fn iterate(Iteration { iteration, f, x, .. }: &Iteration) -> Iterate {
-    Iterate { iteration: *iteration, f: *f, x: x.clone() }
 }
 
 /// At most `max` of the items, evenly from the first on, and the last.

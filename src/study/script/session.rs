@@ -62,8 +62,6 @@ pub struct Session {
 pub struct Trial {
     /// Scenarios whose film ruptured, each with the time.
     pub ruptures: Vec<String>,
-    /// Causes of simulations that failed numerically.
-    pub failures: Vec<String>,
     /// Curves that were compared with references, for plots.
     pub compared: Vec<Compared>,
 }
@@ -195,11 +193,6 @@ impl Session {
     /// Records that the film of `scenario` ruptured at `time` (s).
     pub fn add_rupture(&self, scenario: &str, time: f64) {
         self.update_trial(|trial| trial.ruptures.push(format!("{scenario}: the film broke at {:.1} ms", 1e3 * time)));
-    }
-
-    /// Records that a simulation failed numerically.
-    pub fn add_failure(&self, cause: &str) {
-        self.update_trial(|trial| trial.failures.push(cause.into()));
     }
 
     /// Records a comparison with a reference.
