@@ -8,11 +8,10 @@ use super::bindings::Calibrated;
 use super::error_model::Noise;
 use super::objective::CalibrationObjective;
 use super::pulled;
-use super::rows::object;
 use super::test::{Test, Tolerances};
 use super::verdict::{self, Verdict};
 use super::warning::Warning;
-use crate::script::{HostResult, Row, refuse};
+use crate::script::{HostResult, Row, object, refuse};
 use nalgebra::DMatrix;
 use scene::model::Identity;
 

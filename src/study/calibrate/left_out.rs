@@ -9,10 +9,9 @@ use super::fit::{Fit, ended, labels};
 use super::objective::CalibrationObjective;
 use super::parameter::Unknown;
 use super::plan::Plan;
-use super::rows::object;
 use super::warning::Warning;
 use crate::identify::HostSearch;
-use crate::script::{HostResult, Row, cause, check_stop, refuse};
+use crate::script::{HostResult, Row, cause, check_stop, object, refuse};
 use lab::signal::Series;
 
 /// The fit without some tests.

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::posterior::Posterior;
 use super::verdict::Knowledge;
 use super::warning::Warning;
-use crate::script::Row;
+use crate::script::{Row, object};
 use plot::{Curve, Look, Plot};
 use uncertainty::statistics::{deviation, mean, quantiles};
 
@@ -215,14 +215,6 @@ pub(super) fn pairs(found: &Posterior) -> Vec<Plot> {
         }
     }
     plots
-}
-
-/// The entries of a JSON object.
-pub(super) fn object(value: Value) -> Row {
-    match value {
-        Value::Object(row) => row,
-        _ => Row::new(),
-    }
 }
 
 #[cfg(test)]

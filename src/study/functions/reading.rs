@@ -9,7 +9,7 @@ use crate::script::{HostResult, Session, refuse, refuse_hinted};
 use base::file::{FileError, read_text};
 use base::units::Unit;
 use lab::signal::file::{self, ReadOptions};
-use lab::signal::{Measurement, Series};
+use lab::signal::{MeasuredChannel, Measurement};
 
 /// Offers the type `measurement` and `read_table` to scripts that may read files.
 pub(super) fn register(engine: &mut Engine) {
@@ -21,12 +21,16 @@ pub(super) fn register(engine: &mut Engine) {
         .register_fn("read_recording", |context: NativeCallContext, path: &str, more: Map| {
             read(&context, path, &wanted(&more)?)
         })
-        .register_fn("names", names)
+        .register_fn("names", |m: &mut Measurement| texts(m.channels.iter().map(|channel| &channel.name)))
         .register_fn("notes", |m: &mut Measurement| texts(m.annotations.notes().iter()))
-        .register_fn("unit", unit)
-        .register_fn("filter_class", filter_class)
-        .register_fn("channel", |m: &mut Measurement, name: &str| channel(m, name))
-        .register_indexer_get(|m: &mut Measurement, name: &str| channel(m, name))
+        .register_fn("unit", |m: &mut Measurement, name: &str| {
+            channel(m, name, |found| found.value_unit().unwrap_or_default())
+        })
+        .register_fn("filter_class", |m: &mut Measurement, name: &str| {
+            channel(m, name, |found| found.filtered.map_or(Dynamic::UNIT, Dynamic::from))
+        })
+        .register_fn("channel", |m: &mut Measurement, name: &str| channel(m, name, |found| found.series.clone()))
+        .register_indexer_get(|m: &mut Measurement, name: &str| channel(m, name, |found| found.series.clone()))
         .register_fn("read_table", |path: &str| read_table(Path::new(path)));
 }
 
@@ -76,25 +80,13 @@ fn units(value: &Dynamic) -> HostResult<Vec<(String, Unit)>> {
     units.iter().map(unit).collect()
 }
 
-fn names(m: &mut Measurement) -> Array {
-    texts(m.channels.iter().map(|channel| &channel.name))
-}
-
 fn texts<'a>(texts: impl Iterator<Item = &'a String>) -> Array {
     texts.map(|text| Dynamic::from(text.clone())).collect()
 }
 
-fn channel(m: &Measurement, name: &str) -> HostResult<Series> {
-    m.channel(name).map(|channel| channel.series.clone()).map_err(hinted)
-}
-
-fn unit(m: &mut Measurement, name: &str) -> HostResult<String> {
-    m.channel(name).map(|channel| channel.value_unit().unwrap_or_default()).map_err(hinted)
-}
-
-fn filter_class(m: &mut Measurement, name: &str) -> HostResult<Dynamic> {
-    let class = m.channel(name).map_err(hinted)?.filtered;
-    Ok(class.map_or(Dynamic::UNIT, Dynamic::from))
+/// What `of` says about a channel.
+fn channel<T>(m: &Measurement, name: &str, of: impl Fn(&MeasuredChannel) -> T) -> HostResult<T> {
+    m.channel(name).map(of).map_err(hinted)
 }
 
 /// A refusal of the laboratory, with what helps.

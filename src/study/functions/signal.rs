@@ -20,12 +20,12 @@ pub(crate) fn register(engine: &mut Engine) {
         .register_fn("signal", build)
         .register_fn("len", |s: &mut Series| s.len() as INT)
         .register_fn("to_string", describe)
-        .register_fn("max", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(largest(s)?[1]))
-        .register_fn("min", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(smallest(s)?[1]))
-        .register_fn("time_of_max", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(largest(s)?[0]))
-        .register_fn("time_of_min", |s: &mut Series| Ok::<_, Box<EvalAltResult>>(smallest(s)?[0]))
-        .register_fn("start", |s: &mut Series| end_of(s.time().first()))
-        .register_fn("end", |s: &mut Series| end_of(s.time().last()))
+        .register_fn("max", |s: &mut Series| there(s.largest().map(|[_, value]| value)))
+        .register_fn("min", |s: &mut Series| there(s.smallest().map(|[_, value]| value)))
+        .register_fn("time_of_max", |s: &mut Series| there(s.largest().map(|[time, _]| time)))
+        .register_fn("time_of_min", |s: &mut Series| there(s.smallest().map(|[time, _]| time)))
+        .register_fn("start", |s: &mut Series| there(s.time().first().copied()))
+        .register_fn("end", |s: &mut Series| there(s.time().last().copied()))
         .register_fn("at", value_at)
         .register_fn("slice", slice)
         .register_fn("mean", mean)
@@ -88,20 +88,9 @@ fn describe(s: &mut Series) -> String {
     }
 }
 
-fn largest(s: &Series) -> HostResult<[f64; 2]> {
-    s.largest().ok_or_else(nothing)
-}
-
-fn smallest(s: &Series) -> HostResult<[f64; 2]> {
-    s.smallest().ok_or_else(nothing)
-}
-
-fn end_of(time: Option<&f64>) -> HostResult<f64> {
-    time.copied().ok_or_else(nothing)
-}
-
-fn nothing() -> Box<EvalAltResult> {
-    refuse("the signal has no samples")
+/// What a signal without samples does not have.
+fn there(found: Option<f64>) -> HostResult<f64> {
+    found.ok_or_else(|| refuse("the signal has no samples"))
 }
 
 fn value_at(s: &mut Series, time: Dynamic) -> HostResult<f64> {
@@ -114,11 +103,11 @@ fn slice(s: &mut Series, from: Dynamic, to: Dynamic) -> HostResult<Series> {
 }
 
 fn mean(s: &mut Series) -> HostResult<f64> {
-    match s.time() {
-        [] => Err(nothing()),
-        [_] => Ok(s.values()[0]),
-        [first, .., last] => Ok(integrate::total(s) / (last - first)),
-    }
+    there(match s.time() {
+        [] => None,
+        [_] => Some(s.values()[0]),
+        [first, .., last] => Some(integrate::total(s) / (last - first)),
+    })
 }
 
 fn filtered(s: &Series, class: &Dynamic, standard: Standard) -> HostResult<Series> {

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::figures::is_key_figure;
 use super::warning::VIRTUAL_REFERENCE;
 use super::{COST, HEADER, Warning};
+use crate::script::{Row, object};
 use crate::store::StoredRun;
 use base::finding::Finding;
 use base::number::duration;
@@ -124,25 +125,23 @@ impl RunComparison {
     }
 
     /// The content of `summary.json` of the comparison.
-    pub fn summary(&self) -> Map<String, Value> {
-        let run = |run: &ComparedRun| {
-            let path = run.place.display().to_string();
-            json!({ "name": run.name, "path": path, "title": run.title })
-        };
+    pub fn summary(&self) -> Row {
+        let run = |run: &ComparedRun| json!({ "name": run.name, "path": run.place.display().to_string(), "title": run.title });
         let figure = |figure: &ComparedFigure| {
             let differences: Vec<_> = (0..self.runs.len()).map(|run| figure.difference(run)).collect();
             (figure.name.clone(), json!({ "values": figure.values, "differences": differences }))
         };
-        let fields = [
-            ("droptower", json!(env!("CARGO_PKG_VERSION"))),
-            ("runs", self.runs.iter().map(run).collect()),
-            ("keys", Value::Object(self.keys.iter().map(|key| (key.path.clone(), json!(key.values))).collect())),
-            ("figures", Value::Object(self.figures.iter().map(figure).collect())),
-            ("errors", Value::Object(self.signals.iter().map(|s| (s.column.clone(), json!(s.errors))).collect())),
-            ("notes", self.findings.iter().map(|finding| finding.message.as_str()).collect()),
-            ("findings", json!(self.findings)),
-        ];
-        fields.map(|(name, value)| (name.into(), value)).into_iter().collect()
+        let keys = self.keys.iter().map(|key| (key.path.clone(), json!(key.values)));
+        let errors = self.signals.iter().map(|signal| (signal.column.clone(), json!(signal.errors)));
+        object(json!({
+            "droptower": env!("CARGO_PKG_VERSION"),
+            "runs": self.runs.iter().map(run).collect::<Vec<_>>(),
+            "keys": keys.collect::<Row>(),
+            "figures": self.figures.iter().map(figure).collect::<Row>(),
+            "errors": errors.collect::<Row>(),
+            "notes": self.findings.iter().map(|finding| finding.message.as_str()).collect::<Vec<_>>(),
+            "findings": self.findings,
+        }))
     }
 }
 

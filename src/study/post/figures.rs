@@ -6,9 +6,10 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
-use super::impact::{BodyFigures, object};
+use super::impact::BodyFigures;
 use super::results::{HEADER, OUTPUT};
 use super::{Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, Stretch, lowest_point};
+use crate::script::object;
 use base::finding::Finding;
 use base::number::duration;
 use base::units::STANDARD_GRAVITY;
@@ -30,7 +31,7 @@ static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
             all.push(name);
         }
     }
-    let findings = object(&RunFindings::default()).into_iter().map(|(name, _)| name);
+    let findings = object(RunFindings::default()).into_iter().map(|(name, _)| name);
     all.extend(names::<Audit>().into_iter().chain(findings).chain(OUTPUT.map(String::from)));
     all
 });

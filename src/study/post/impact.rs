@@ -4,9 +4,10 @@ use std::sync::LazyLock;
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::{ReferenceComparison, RunFindings, Warning};
+use crate::script::object;
 use base::number::clean_time;
 use lab::experiment::absorption::{Body, absorption_of, film_absorption};
 use lab::experiment::drop::Figures;
@@ -180,14 +181,6 @@ impl BodyFigures {
             }
             None => BodyFigures { prefix, had_film_contact, ..BodyFigures::default() },
         }
-    }
-}
-
-/// The fields of a result as they are written.
-pub(super) fn object(result: &impl Serialize) -> Map<String, Value> {
-    match json!(result) {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
     }
 }
 

@@ -7,11 +7,10 @@ use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use super::field::{compare, warnings};
-use super::impact::object;
 use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Run, RunFindings, Stretch, run};
 use crate::field_comparison::FieldComparison;
 use crate::functions;
-use crate::script::{self, Fault, Limits, OutputCollector, Script, ScriptOutput};
+use crate::script::{self, Fault, Limits, OutputCollector, Script, ScriptOutput, object};
 use base::finding::Finding;
 use lab::signal::filter::{self, ChannelFilter, Standard};
 use lab::signal::resample;

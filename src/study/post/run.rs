@@ -6,10 +6,9 @@ use rhai::{Dynamic, Engine, EvalAltResult, INT, ImmutableString, Scope};
 use serde_json::{Value, json};
 
 use super::figures::SUMMARY;
-use super::impact::object;
 use super::{ReferenceComparison, Results};
 use crate::field_comparison::FieldComparison;
-use crate::script::{Fields, HostResult, Session, from_json, number, numerical_failure, refuse};
+use crate::script::{Fields, HostResult, Session, from_json, number, numerical_failure, object, refuse};
 use base::budget::{Budget, Claim};
 use lab::dic::Field;
 use lab::signal::{Recording, Series, column};
@@ -176,7 +175,7 @@ fn unknown<'a>(owner: &str, name: &str, known: impl IntoIterator<Item = &'a str>
 /// The quantities of a model that scripts read.
 pub(crate) fn facts(model: &Model) -> serde_json::Map<String, Value> {
     let of_faces = |of: fn(&Face) -> Value| model.faces.iter().map(of).collect::<Value>();
-    let mut facts = object(&json!({
+    let mut facts = object(json!({
         "name": model.name, "title": model.title, "layers": of_faces(|face| json!(face.layers)),
         "thickness": of_faces(|face| json!(face.material.thickness)), "prestrain": of_faces(|face| json!(face.prestrain)),
     }));

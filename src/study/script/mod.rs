@@ -28,6 +28,6 @@ pub(crate) use crate::script::output::{MOST_BYTES, too_many_bytes};
 pub use crate::script::session::{CallOptions, Fields, Session, Trial, silence_panics};
 pub(crate) use crate::script::session::{catch as catch_panics, check_stop};
 pub use crate::script::values::{
-    Arguments, Options, findings_map, from_json, list, number, numbers, record, shown, to_json, window,
+    Arguments, Options, findings_map, from_json, list, number, numbers, object, record, shown, to_json, window,
 };
 pub use crate::script::warning::{CODES, Warning};

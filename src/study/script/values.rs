@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
 use serde::Serialize;
 use serde_json::{Number, Value};
 
-use super::{HostResult, refuse, refuse_key};
+use super::{HostResult, Row, refuse, refuse_key};
 use base::diagnostic::did_you_mean;
 use base::finding::Finding;
 use base::removed;
@@ -122,6 +122,14 @@ pub fn from_json(value: &Value) -> Dynamic {
             let pairs = pairs.iter().map(|(key, item)| (key.as_str().into(), from_json(item)));
             pairs.collect::<Map>().into()
         }
+    }
+}
+
+/// The fields of a result as they are written.
+pub fn object(result: impl Serialize) -> Row {
+    match serde_json::to_value(result) {
+        Ok(Value::Object(fields)) => fields,
+        _ => Row::new(),
     }
 }
 

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{Evaluation, EvaluationError, Evaluations, Figure, is_cost};
 use crate::post::{badness, is_of_script, is_result};
-use crate::script::RunFindings;
+use crate::script::{Row, RunFindings, object};
 use base::finding::Finding;
 use base::table::{Column, Values};
 use scene::model::Input;
@@ -204,20 +204,14 @@ impl SweepResults {
         let table = Table::from_evaluations(sweep, done, evaluations)?;
         let failed = (0..table.rows()).filter(|row| table.failure(*row).is_some()).count();
         let figures: Vec<&Column> = table.figures().iter().filter(|column| !is_cost(&column.name)).collect();
-        let statistics = figures.iter().filter_map(|column| {
-            let name = column.name.clone();
-            of_column(column).map(|quantiles| (name, quantiles))
-        });
+        let known = figures.iter().filter_map(|column| Some((*column, of_column(column)?)));
+        let known: Vec<(&Column, Quantiles)> = known.collect();
         let rupture = table.column("ruptured").and_then(probability);
-        let varies = |column: &&&Column| {
-            let quantiles = of_column(column);
-            quantiles.is_some_and(|of| of.deviation.is_some_and(|deviation| deviation > 1e-9 * of.mean.abs()))
-        };
         let independent = sweep.variation().is_independent();
         let of = |column: &Column| effects(&table, column, independent);
         let of_rupture =
             rupture.filter(|(share, _)| *share > 0.0 && *share < 1.0).and_then(|_| of(table.column("ruptured")?));
-        let varying: Vec<&Column> = figures.iter().filter(varies).copied().collect();
+        let varying: Vec<&Column> = known.iter().filter(|(_, of)| of.varies()).map(|(column, _)| *column).collect();
         let effects = varying.par_iter().filter_map(|column| of(column)).collect::<Vec<_>>();
         let effects = effects.into_iter().chain(of_rupture).collect();
         Ok(SweepResults {
@@ -225,7 +219,7 @@ impl SweepResults {
             failed,
             missing: sweep.len() - done.len(),
             engine_s: done.engine_s,
-            statistics: statistics.collect(),
+            statistics: known.iter().map(|(column, of)| (column.name.clone(), *of)).collect(),
             rupture: rupture.map(|(share, interval)| (share, interval.ends())),
             effects,
             findings: warnings(&sweep.base, &sweep.variation).iter().map(Finding::new).collect(),
@@ -245,33 +239,21 @@ impl SweepResults {
     }
 
     /// The content of `summary.json`; `seconds` is the wall time of this process.
-    pub fn summary(&self, sweep: &Sweep, seconds: f64) -> Map<String, Value> {
+    pub fn summary(&self, sweep: &Sweep, seconds: f64) -> Row {
         let statistics = self.statistics.iter().map(|(name, quantiles)| (name.clone(), json!(quantiles)));
         let (probability, interval) = self.rupture.unzip();
-        let entries = [
-            ("scenario", json!(sweep.model().name)),
-            ("title", json!(sweep.model().title)),
-            ("droptower", json!(env!("CARGO_PKG_VERSION"))),
-            ("runs", json!(self.table.rows())),
-            ("reused", json!(self.reused)),
-            ("failed", json!(self.failed)),
-            ("missing", json!(self.missing)),
-            ("seconds", json!(seconds)),
-            ("engine_s", json!(self.engine_s)),
-            ("statistics", Value::Object(statistics.collect())),
-            ("rupture_probability", json!(probability)),
-            ("interval", json!(interval)),
-            ("effects", json!(self.effects)),
-            ("findings", json!(self.findings)),
-        ];
-        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+        object(json!({
+            "scenario": sweep.model().name, "title": sweep.model().title, "droptower": env!("CARGO_PKG_VERSION"),
+            "runs": self.table.rows(), "reused": self.reused, "failed": self.failed, "missing": self.missing,
+            "seconds": seconds, "engine_s": self.engine_s, "statistics": statistics.collect::<Row>(),
+            "rupture_probability": probability, "interval": interval, "effects": self.effects, "findings": self.findings,
+        }))
     }
 
     /// The figures that are shown first, at most so many: the one by which runs are ranked, those by which they are
     /// judged, and those that a script measures, as far as they vary.
     pub fn shown_figures<'a>(&'a self, ranked: &'a str, most: usize) -> Vec<&'a str> {
-        let varies = |of: &Quantiles| of.deviation.is_some_and(|deviation| deviation > 1e-9 * of.mean.abs());
-        let varying = || self.statistics.iter().filter(|(_, of)| varies(of)).map(|(name, _)| name.as_str());
+        let varying = || self.statistics.iter().filter(|(_, of)| of.varies()).map(|(name, _)| name.as_str());
         let is_first = |name: &&str| *name == ranked;
         let is_own = |name: &&str| is_of_script(name) && !is_first(name);
         let is_key = |name: &&str| is_result(name) && !is_first(name);
@@ -317,6 +299,13 @@ pub struct Quantiles {
     pub p95: f64,
     /// Runs that have the figure.
     pub count: usize,
+}
+
+impl Quantiles {
+    /// Whether the figure differs between runs by more than its rounding.
+    fn varies(&self) -> bool {
+        self.deviation.is_some_and(|deviation| deviation > 1e-9 * self.mean.abs())
+    }
 }
 
 /// Main effects on a figure.
