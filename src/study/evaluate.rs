@@ -321,8 +321,7 @@ impl Evaluations {
     /// # Errors
     /// Its record cannot be read.
     pub fn record(&self, keys: EvaluationKeys) -> Result<Option<Evaluation>, EvaluationError> {
-        let record = self.store.read(Kind::Record, keys.figures).map_err(|source| self.failed(source))?;
-        Ok(record.and_then(|record| unpacked(&record)))
+        self.read(Kind::Record, keys.figures)
     }
 
     /// The evaluation under these keys, which was computed before.
@@ -417,10 +416,7 @@ impl Evaluations {
         match &found {
             Ok(outcome) => self.keep(run, outcome)?,
             Err(error) if may_pass(error, &model, run) => {}
-            Err(error) => {
-                let record = packed(&NoOutcome::from_error(error, &model)).map_err(|source| self.failed(source))?;
-                self.store.write(Kind::Record, failure_key(run), &record).map_err(|source| self.failed(source))?;
-            }
+            Err(error) => self.write(Kind::Record, failure_key(run), &NoOutcome::from_error(error, &model))?,
         }
         if matches!(found, Err(RunError::Cancelled)) {
             return Err(EvaluationError::Cancelled);
@@ -453,10 +449,7 @@ impl Evaluations {
     fn known(&self, run: Key) -> Result<Option<Result<Outcome, NoOutcome>>, EvaluationError> {
         let known = match self.outcome(run)? {
             Some(outcome) => Some(Ok(outcome)),
-            None => {
-                let record = self.store.read(Kind::Record, failure_key(run)).map_err(|source| self.failed(source))?;
-                record.and_then(|record| unpacked(&record)).map(Err)
-            }
+            None => self.read(Kind::Record, failure_key(run))?.map(Err),
         };
         Ok(known.inspect(|_| self.count_hit()))
     }
@@ -466,8 +459,7 @@ impl Evaluations {
     /// # Errors
     /// It cannot be written.
     pub fn add(&self, keys: EvaluationKeys, evaluation: &Evaluation) -> Result<(), EvaluationError> {
-        let record = packed(evaluation).map_err(|source| self.failed(source))?;
-        self.store.write(Kind::Record, keys.figures, &record).map_err(|source| self.failed(source))
+        self.write(Kind::Record, keys.figures, evaluation)
     }
 
     /// The outcome of a run that is kept whole, without its pictures.
@@ -475,8 +467,7 @@ impl Evaluations {
     /// # Errors
     /// It cannot be read.
     pub fn outcome(&self, run: Key) -> Result<Option<Outcome>, EvaluationError> {
-        let content = self.store.read(Kind::Run, run).map_err(|source| self.failed(source))?;
-        Ok(content.and_then(|content| unpacked(&content)))
+        self.read(Kind::Run, run)
     }
 
     /// Keeps the outcome of a run, without its pictures.
@@ -484,8 +475,18 @@ impl Evaluations {
     /// # Errors
     /// It cannot be written.
     pub fn keep(&self, run: Key, outcome: &Outcome) -> Result<(), EvaluationError> {
-        let content = packed(outcome).map_err(|source| self.failed(source))?;
-        self.store.write(Kind::Run, run, &content).map_err(|source| self.failed(source))
+        self.write(Kind::Run, run, outcome)
+    }
+
+    /// The value that is kept under `key`; none where there is none, or a damaged one.
+    fn read<T: DeserializeOwned>(&self, kind: Kind, key: Key) -> Result<Option<T>, EvaluationError> {
+        let content = self.store.read(kind, key).map_err(|source| self.failed(source))?;
+        Ok(content.and_then(|content| unpacked(&content)))
+    }
+
+    fn write(&self, kind: Kind, key: Key, value: &impl Serialize) -> Result<(), EvaluationError> {
+        let written = packed(value).and_then(|content| self.store.write(kind, key, &content));
+        written.map_err(|source| self.failed(source))
     }
 
     /// An error of the store.
