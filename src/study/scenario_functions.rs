@@ -218,11 +218,7 @@ impl Study {
         run.ok_or_else(|| refuse("the run was cancelled"))
     }
 
-    /// The run, unless another process computes it.
-    fn simulate_unless_claimed(&self, session: &Session) -> HostResult<Option<Run>> {
-        self.simulate_with(session, Evaluations::outcome_unless_claimed, Plan::measure)
-    }
-
+    /// The run whose `outcome` is found; none where another process computes it.
     fn simulate_with<F: Into<Option<Found>>>(
         &self,
         session: &Session,
@@ -260,14 +256,6 @@ impl Study {
         found.count(results.findings.iter().map(|finding| finding.code.as_str()));
         session.count_runs(&found);
         Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
-    }
-
-    fn reference(&mut self) -> HostResult<ReferenceSignals> {
-        Ok(ReferenceSignals(self.comparison()?.clone()))
-    }
-
-    fn window(&mut self) -> HostResult<Array> {
-        Ok(list(&self.comparison()?.window))
     }
 
     /// The material of the specimen as a material file.
@@ -399,7 +387,9 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
     let keeping = studies.iter().find(|study| study.0.evaluations.is_some());
     keeping.into_iter().for_each(|study| study.ask_for(studies.len()));
     let share = keeping.and_then(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
-    let first = in_order(&share.order(studies.len()), |place| studies[place].simulate_unless_claimed(&session));
+    let unless_claimed =
+        |place: usize| studies[place].simulate_with(&session, Evaluations::outcome_unless_claimed, Plan::measure);
+    let first = in_order(&share.order(studies.len()), unless_claimed);
     // What other processes compute comes last.
     let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
         Some(run) => Ok(run),
@@ -491,8 +481,8 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
         .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
             study.stresses(&numbers(&strains, "a strain")?, &more)
         })
-        .register_get("reference", Study::reference)
-        .register_get("window", Study::window)
+        .register_get("reference", |study: &mut Study| study.comparison().cloned().map(ReferenceSignals))
+        .register_get("window", |study: &mut Study| study.comparison().map(|own| list(&own.window)))
         .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
         .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
         .register_fn("written", |study: &mut Study, key: &str| study.written(key))
@@ -524,8 +514,7 @@ fn texts(reduced: &Reduced, coupon: Coupon, more: &Map) -> HostResult<Map> {
     let material =
         CouponMaterial { reduction, coupon, density, shear_file: &shear_file, elastic_corner, shear_by, shear: None };
     let texts = material.texts().map_err(refuse)?;
-    let pairs = [("material", texts.material), ("shear", texts.shear)];
-    Ok(pairs.into_iter().map(|(name, text)| (name.into(), Dynamic::from(text))).collect())
+    Ok(Map::from([("material".into(), texts.material.into()), ("shear".into(), texts.shear.into())]))
 }
 
 #[cfg(test)]

@@ -129,12 +129,12 @@ fn record(acceleration: &Series, displacement: &Series, about: &Options<'_>) -> 
     let virtual_drop = sensor::virtual_drop(acceleration, displacement, &fall, &sensors(about)?, seed.cast_unsigned());
     let virtual_drop = virtual_drop.map_err(refuse)?;
     let recording = &virtual_drop.recording;
-    let mut map = Map::new();
-    map.insert("time".into(), Dynamic::from(Series::new(recording.time.as_slice(), recording.time.as_slice())));
-    map.insert("accelerometer".into(), signal(recording, sensor::ACCELEROMETER));
-    map.insert("laser".into(), signal(recording, sensor::LASER));
-    map.insert("contact_time".into(), virtual_drop.contact_time.into());
-    Ok(map)
+    Ok(Map::from([
+        ("time".into(), Dynamic::from(Series::new(recording.time.as_slice(), recording.time.as_slice()))),
+        ("accelerometer".into(), signal(recording, sensor::ACCELEROMETER)),
+        ("laser".into(), signal(recording, sensor::LASER)),
+        ("contact_time".into(), virtual_drop.contact_time.into()),
+    ]))
 }
 
 fn sensors(about: &Options<'_>) -> HostResult<Sensors> {

@@ -11,9 +11,10 @@ mod signal;
 
 use rhai::Engine;
 
-use crate::script::{self, Limits, OutputCollector, Session, ShippedModule};
+use crate::script::{self, Limits, Session, ShippedModule};
 
 pub use crate::functions::coupon::Reduced;
+pub use crate::functions::output::register as register_output;
 
 /// The module of numbers and tables that is part of droptower, which every script can import.
 pub(crate) const TABLES: ShippedModule =
@@ -38,15 +39,11 @@ pub fn register_reading(engine: &mut Engine) {
     law_fit::register_reading(engine);
 }
 
-/// Offers the functions whose output `collector` takes: figures, tables, plots, files, the log.
-pub fn register_output(engine: &mut Engine, collector: &OutputCollector) {
-    output::register(collector, engine);
-}
-
 /// Helpers of the tests of script functions.
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::script::OutputCollector;
 
     /// The interpreter with every function of this module.
     pub(crate) fn engine() -> Engine {

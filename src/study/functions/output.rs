@@ -10,9 +10,9 @@ use lab::experiment::coupon;
 use lab::signal::Series;
 use plot::{self, Axis, Curve, Look, Plot, Scale, TIME, Window};
 
-/// Offers `answer`, `measure`, `table`, `log`, `print`, `warn`, `plot`, `write_csv` and `write_text` to scripts; files are written with
+/// Offers the functions whose output `collector` takes: `answer`, `measure`, `table`, `log`, `print`, `warn`, `plot`, `write_csv` and `write_text` to scripts; files are written with
 /// the other results, or not at all.
-pub(super) fn register(collector: &OutputCollector, engine: &mut Engine) {
+pub fn register(engine: &mut Engine, collector: &OutputCollector) {
     let own = collector.clone();
     engine.register_fn("answer", move |sentence: &str| own.answer(sentence));
     let own = collector.clone();

@@ -85,12 +85,6 @@ impl Done {
     }
 }
 
-impl Stop {
-    fn is_requested(&self) -> bool {
-        self.requested.is_cancelled() || self.given_up.is_cancelled()
-    }
-}
-
 /// State that the threads share.
 struct State<'a> {
     work: Work<'a>,
@@ -208,10 +202,11 @@ impl State<'_> {
     fn ends(&self) -> bool {
         // A run that the deadline would cut off is not begun, as the longest so far tells.
         let longest = Duration::from_millis(self.longest.load(Ordering::Relaxed));
-        let Stop { deadline, .. } = self.work.stop;
+        let Stop { requested, given_up, deadline } = self.work.stop;
+        let is_requested = requested.is_cancelled() || given_up.is_cancelled();
         let is_late = deadline.is_some_and(|deadline| Instant::now() + longest > deadline);
         let has_panicked = self.has_panicked.load(Ordering::Relaxed);
-        self.work.stop.is_requested() || is_late || has_panicked || base::lock(&self.error).is_some()
+        is_requested || is_late || has_panicked || base::lock(&self.error).is_some()
     }
 
     /// Looks again for runs that other processes compute; `false` where there are none, or it is not this process that

@@ -256,15 +256,15 @@ fn of_search(result: &SearchResult, names: &[String], values: usize) -> Map {
 }
 
 fn of_start(result: &StartResult) -> Map {
-    let mut map = Map::new();
-    map.insert("x".into(), script::list(&result.x).into());
-    map.insert("f".into(), result.f.into());
-    map.insert("iterations".into(), integer(result.iterations));
-    map.insert("evaluations".into(), integer(result.evaluations));
-    map.insert("converged".into(), result.converged.into());
-    map.insert("reason".into(), result.reason.clone().into());
-    map.insert("simplex_size".into(), result.size.map_or(Dynamic::UNIT, Dynamic::from));
-    map
+    Map::from([
+        ("x".into(), script::list(&result.x).into()),
+        ("f".into(), result.f.into()),
+        ("iterations".into(), integer(result.iterations)),
+        ("evaluations".into(), integer(result.evaluations)),
+        ("converged".into(), result.converged.into()),
+        ("reason".into(), result.reason.clone().into()),
+        ("simplex_size".into(), result.size.map_or(Dynamic::UNIT, Dynamic::from)),
+    ])
 }
 
 /// Iterations as rows of a table, thinned evenly to so many values.
