@@ -12,7 +12,7 @@ use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
-    self, HostSearch, Labels, Method, Phase, SearchError, SearchHost, SearchResult, Side, SignalLabel, failure,
+    self, HostSearch, Labels, Method, Phase, Search, SearchError, SearchHost, SearchResult, SignalLabel, failure,
     weigh_at_start,
 };
 use crate::post::VIRTUAL_REFERENCE;
@@ -107,7 +107,9 @@ impl Fit {
         findings.extend(own.map(Finding::new));
         findings.extend(of_errors(plan, &simulated, share)?.iter().map(Finding::new));
         findings.extend(over_travel(plan).map(|warning| Finding::new(&warning)));
-        let (jacobian, at_bounds) = linear(plan, &values, share, host, session, phases)?;
+        let search = plan.search_from(values.clone(), false, true)?;
+        let jacobian = slopes(plan, &search, share, host, session, phases)?;
+        let at_bounds = search.bounds.active(&values);
         let x = plan.coordinates(&values);
         let runs = of_runs(plan, &values, session)?;
         plan.mesh = mesh::Known::new(plan, &jacobian, share, coarse(plan, &runs));
@@ -215,26 +217,25 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
     Ok(found)
 }
 
-/// The linear model at the end of a search: derivatives of the residuals by the coordinates, and the unknowns at a bound.
-fn linear(
+/// Derivatives of the residuals by the coordinates, where a search begins.
+fn slopes(
     plan: &Plan,
-    values: &[f64],
+    search: &Search,
     share: f64,
     host: &SearchHost,
     session: &Session,
     phase: usize,
-) -> HostResult<(DMatrix<f64>, Vec<(usize, Side)>)> {
+) -> HostResult<DMatrix<f64>> {
     let objective = CalibrationObjective::new(plan, share, session);
-    let search = plan.search_from(values.to_vec(), false, true)?;
     let labels = Labels { phase: Some(Phase { number: phase, name: "slopes at its end".into() }), ..labels(plan) };
-    let own = [HostSearch { function: "calibrate", search: &search, labels: &labels, objective: &objective }];
-    let found = host.run(session, &own, |evaluator, _| weigh_at_start(&search, evaluator))?;
+    let own = [HostSearch { function: "calibrate", search, labels: &labels, objective: &objective }];
+    let found = host.run(session, &own, |evaluator, _| weigh_at_start(search, evaluator))?;
     let found = found.map_err(|(_, error)| ended(session, &error))?.remove(0);
     let mut jacobian = found.jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
-        jacobian.column_mut(index).scale_mut(plan.parameter_of(unknown).slope(values[index]));
+        jacobian.column_mut(index).scale_mut(plan.parameter_of(unknown).slope(search.start[index]));
     }
-    Ok((jacobian, search.bounds.active(values)))
+    Ok(jacobian)
 }
 
 /// What the searches of a calibration came to so far.
