@@ -10,6 +10,7 @@ from .commands import calibrate, check, compare, export_card, reduce, run, scrip
 from .errors import BadInput, Diagnostic, DroptowerError, Failed, NumericalFailure, ProgramNotFound
 from .program import program, version
 from .results import Comparison, Reduction, Run, Study, Sweep
+from .search import Search, minimize
 from .states import States
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "ProgramNotFound",
     "Reduction",
     "Run",
+    "Search",
     "States",
     "Study",
     "Sweep",
@@ -29,6 +31,7 @@ __all__ = [
     "check",
     "compare",
     "export_card",
+    "minimize",
     "program",
     "reduce",
     "run",

@@ -24,6 +24,7 @@ def run(
     unset: Iterable[str] = (),
     out: PathLike | None = None,
     vtu: bool = False,
+    resume: bool = False,
     force: bool = False,
     threads: int | None = None,
     quiet: bool = True,
@@ -31,11 +32,14 @@ def run(
     """Runs a scenario.
 
     `set` changes keys: numbers (SI), texts with units ("12 um"), lists, dictionaries. `unset` leaves keys out. Results
-    go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`).
+    go to `out`, or to runs/<name of the scenario>; `vtu` also writes the states of the film (`Run.states`). `resume`
+    leaves a complete run as it is, and goes on from the checkpoint of an interrupted one.
     """
     arguments = ["run", _path(scenario), *_changes(set, unset), *_options(out, force, threads)]
     if vtu:
         arguments.append("--vtu")
+    if resume:
+        arguments.append("--resume")
     summary = json.loads(call([*arguments, "--json"], quiet=quiet))
     return Run(_place(out, summary["scenario"]))
 

@@ -3,6 +3,7 @@
 import json
 import os
 import stat
+import sys
 from pathlib import Path
 
 import numpy
@@ -148,6 +149,39 @@ def test_a_study_is_calibrated(scene: Path) -> None:
     study = droptower.calibrate("study.toml")
     [ke] = study.tables["parameters"].to_dict("records")
     assert study.path == Path("runs/study") and ke["value"] == pytest.approx(1.3, abs=0.01)
+
+
+def test_a_function_of_runs_is_minimized(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    strip = Path(__file__).resolve().parents[2] / "scenarios/stretch/single-element.toml"
+    text = f"extends = {str(strip)!r}\nloading.stretch.until = 0.2\n"
+    Path("strip.toml").write_text(text, encoding="utf-8")
+    scale = "specimen.material.fabric.scale.ke"
+    pulled = droptower.run("strip.toml", set={scale: 1.3}, out="pulled").signals["force_N"].to_numpy()
+    bounds = {scale: (0.5, 3.0)}
+
+    def residuals(run: droptower.Run) -> numpy.ndarray:
+        return run.signals["force_N"].to_numpy()[1:] / pulled[1:] - 1
+
+    found = droptower.minimize("strip.toml", residuals, bounds)
+    assert found.converged and found.values[scale] == pytest.approx(1.3, rel=1e-3)
+    assert found.value == found.trials["value"].min() and found.run.path in set(found.trials["path"])
+    # Another objective over the same runs: the start is stored. One of another state of the scenario is computed anew.
+    times = {path: (path / "summary.json").stat().st_mtime_ns for path in found.trials["path"]}
+    number = droptower.minimize("strip.toml", lambda run: float(abs(residuals(run)[-1])), bounds, trials=40)
+    assert number.values[scale] == pytest.approx(1.3, rel=3e-3) and len(number.trials) < 40
+    assert all((path / "summary.json").stat().st_mtime_ns == time for path, time in times.items())
+    Path("strip.toml").write_text(text + "title = 'another'\n", encoding="utf-8")
+    limited = droptower.minimize("strip.toml", residuals, bounds, trials=1)
+    [only] = limited.trials["path"]
+    assert not limited.converged and only == found.trials["path"][0]
+    assert (only / "summary.json").stat().st_mtime_ns > times[only]
+    with pytest.raises(ValueError, match="as many finite residuals"):
+        droptower.minimize("strip.toml", lambda run: float("nan"), bounds)
+    with pytest.raises(ValueError, match="within the bounds"):
+        droptower.minimize("strip.toml", residuals, bounds, start={scale: 4})
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    with pytest.raises(ImportError, match="pip install scipy"):
+        droptower.minimize("strip.toml", residuals, bounds)
 
 
 def test_runs_are_compared_and_tested(scene: Path) -> None:

@@ -367,8 +367,7 @@ findings! {
             run: String, "its name" => "run";
             folder: PathBuf, "the folder of its results" => "folder" = shown_path(folder);
         } = "already-complete", Note;
-            meaning "a batch resumes, and the results of this run are those of its scenario as it is now: they are \
-                left as they are";
+            meaning "a run is to resume, and its results are those of its scenario as it is now: they are left as they are";
             remedy "none is needed; without --resume the run is repeated";
             message "{run} is complete: {}", shown_path(folder);
         Damaged {

@@ -38,8 +38,8 @@ pub(super) struct RunArgs {
     /// Write a checkpoint after every such simulated time ("5 ms"), from which --resume continues an interrupted run
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
-    /// Resume an interrupted run from its newest checkpoint; the results are the same to the bit. Of several scenarios,
-    /// complete ones are left as they are, and those without a checkpoint start from their beginning
+    /// Resume an interrupted run from its newest checkpoint; the results are the same to the bit. A complete run is left
+    /// as it is; of several begun scenarios, those without a checkpoint start from their beginning
     #[arg(long)]
     pub resume: bool,
     /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
@@ -127,7 +127,7 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     let (viewer, Batch { jobs, complete }) = both(viewer, batch(args, &stop))?;
     farm::cancel_on_interrupt(stop)?;
     let bar = Bar::new(jobs.len(), shared.quiet);
-    complete.iter().for_each(|warning| bar.report(warning));
+    complete.iter().for_each(|left| bar.report(&left.warning));
     let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
     warnings.for_each(|warning| bar.report(warning));
     for Checked { model, plan, .. } in jobs.iter().map(|job| &job.checked) {
@@ -139,13 +139,14 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
         Done { summary: done.summary.filter(|_| shared.json), ..done }
     };
     // One run has all threads to itself; several share them.
-    let done: Vec<Done> = match jobs.len() {
+    let computed: Vec<Done> = match jobs.len() {
         1 => jobs.into_iter().enumerate().map(run).collect(),
         _ => jobs.into_par_iter().enumerate().map(run).collect(),
     };
     bar.finish();
-    let failure = Failure::all(done.iter().filter_map(|done| done.failure.clone()));
-    let printed = show(&done, shared);
+    let failure = Failure::all(computed.iter().filter_map(|done| done.failure.clone()));
+    let left = complete.into_iter().map(|left| Done { summary: Some(left.summary), ..Done::default() });
+    let printed = show(&left.chain(computed).collect::<Vec<_>>(), shared);
     failure.map_or(printed, Err)
 }
 
@@ -176,8 +177,15 @@ pub(super) fn one(
 /// The runs of a command.
 struct Batch {
     jobs: Vec<Job>,
-    /// A warning for each run that a resumed batch need not repeat.
-    complete: Vec<checkpoint::Warning>,
+    /// The runs that `--resume` need not repeat.
+    complete: Vec<Complete>,
+}
+
+/// A run that is complete already.
+struct Complete {
+    warning: checkpoint::Warning,
+    /// Its stored figures.
+    summary: Value,
 }
 
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
@@ -192,14 +200,19 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
     let origin = |(checked, place): (&Checked, &PathBuf)| Origin::of_run(checked.document.path()).check(place);
     all(scenarios.iter().zip(&places).filter(|_| !args.force).map(origin))?;
     // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
-    let resumes = args.resume && several;
-    let is_left = |(checked, place): &(Checked, PathBuf)| resumes && is_complete(checked, place);
-    let (complete, rest): (Vec<_>, Vec<_>) = scenarios.into_iter().zip(places).partition(is_left);
+    let (mut complete, mut rest) = (vec![], vec![]);
+    for (checked, place) in scenarios.into_iter().zip(places) {
+        if args.resume
+            && let Some(summary) = complete_summary(&checked, &place)
+        {
+            let warning = checkpoint::Warning::Complete { run: checked.model.name, folder: place };
+            complete.push(Complete { warning, summary });
+        } else {
+            rest.push((checked, place));
+        }
+    }
     let is_begun = !complete.is_empty() || rest.iter().any(|(_, place)| checkpoint::are_beside(place));
-    let or_start = resumes && is_begun;
-    let left =
-        |(checked, folder): (Checked, PathBuf)| checkpoint::Warning::Complete { run: checked.model.name, folder };
-    let complete = complete.into_iter().map(left).collect();
+    let or_start = args.resume && several && is_begun;
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let job = |(checked, place): (Checked, PathBuf)| -> Result<Job, Diagnostic> {
         let writer = CheckpointWriter::new(policy, &checked, &place)?;
@@ -216,11 +229,12 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
     Ok(Batch { jobs, complete })
 }
 
-/// Whether the folder `place` holds the results of the scenario and of the files that it reads as they are now.
-fn is_complete(checked: &Checked, place: &Path) -> bool {
-    let stored = file::read_text(&place.join(run_files::SCENARIO), run_files::MOST_BYTES);
-    let is_measured = place.join(run_files::SUMMARY).is_file();
-    is_measured && stored.is_ok_and(|stored| resolved(checked, place).is_ok_and(|now| now == stored))
+/// The figures in the folder `place`, where it holds the results of the scenario and of the files that it reads as they are now.
+fn complete_summary(checked: &Checked, place: &Path) -> Option<Value> {
+    let read = |name: &str| file::read_text(&place.join(name), run_files::MOST_BYTES).ok();
+    let stored = read(run_files::SCENARIO)?;
+    let is_same = resolved(checked, place).is_ok_and(|now| now == stored);
+    serde_json::from_str(&read(run_files::SUMMARY).filter(|_| is_same)?).ok()
 }
 
 /// The scenario as the folder `place` holds it, with the digest of all that decides its results.

@@ -173,6 +173,10 @@ fn a_complete_run_is_known_by_the_content_of_its_files() {
     set_time("post.rhai", SystemTime::now() - Duration::from_secs(3600));
     assert_eq!(resumed().matches(" is complete: runs/").count(), 1, "its content has changed");
     assert_eq!(summary(&path("runs/one"))["more"], 2);
+    let one = droptower(bench.path(), &[&["run", "one.toml", "--resume", "--json"][..], &quick].concat());
+    assert!(error(&one).contains("note: one is complete: runs/one"), "{}", error(&one));
+    let printed: Json = serde_json::from_slice(&one.stdout).expect("its stored figures");
+    assert_eq!(printed, summary(&path("runs/one")));
 }
 
 #[test]
