@@ -284,11 +284,9 @@ fn run_script(
     if let Some(finding) = &virtual_recordings {
         print_line(&Message::Finding(finding).to_string());
     }
-    let of_runs = terminal::finding_of_runs(&Session::of_engine(&engine).run_findings());
-    if let Some(finding) = &of_runs {
-        print_line(&Message::Finding(finding).to_string());
-    }
     let mut output = collector.output();
+    let of_runs = terminal::findings_of_runs(&Session::of_engine(&engine).run_findings(), &output.findings);
+    terminal::findings_of_run("", &of_runs).lines().for_each(print_line);
     output.findings.splice(..0, virtual_recordings.clone());
     output.findings.extend(of_runs);
     if let Some(failure) = &failure {

@@ -114,7 +114,7 @@ fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Resu
         return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
     }
     let mut found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
-    found.findings.extend(terminal::finding_of_runs(&found.run_findings()));
+    found.findings.extend(terminal::findings_of_runs(&found.run_findings(), &found.findings));
     store(task, &found, args, shared, begin.elapsed().as_secs_f64())
 }
 
@@ -377,7 +377,7 @@ fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> Stri
         let [probability, low, high] = [probability, low, high].map(|share| digits(100.0 * share));
         lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
     }
-    lines.push(terminal::findings("  ", &found.findings) + folder);
+    lines.push(terminal::findings_of_run("  ", &found.findings) + folder);
     lines.join("\n")
 }
 

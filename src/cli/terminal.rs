@@ -9,13 +9,21 @@ use report::{Figure, cell, columns};
 use study::codes;
 use study::script::{Row, RunFindings, ScriptOutput, Warning};
 
-/// The finding of a study whose runs have warnings; that recordings are virtual is a finding of its own.
-pub(crate) fn finding_of_runs(found: &RunFindings) -> Option<Finding> {
+/// The findings of a study whose runs have warnings: one of all of them, and one of each thing that the film's data leave open,
+/// unless the study's `own` findings say so. That recordings are virtual is a finding of its own.
+pub(crate) fn findings_of_runs(found: &RunFindings, own: &[Finding]) -> Vec<Finding> {
     let is_warning = |code: &str| {
         let severity = codes::find(code).map_or(Severity::Warning, |code| code.severity);
-        severity == Severity::Warning && !code.starts_with("virtual-")
+        severity == Severity::Warning && !code.starts_with("virtual-") && codes::left_open(code).is_none()
     };
-    Warning::of_runs(found, is_warning).map(|warning| Finding::new(&warning))
+    let warning = Warning::of_runs(found, is_warning).map(|warning| Finding::new(&warning));
+    let left_open = |(code, count): (&String, &usize)| {
+        let known = codes::find(code).filter(|_| codes::left_open(code).is_some())?;
+        let message = format!("{count} of {} runs: {}", found.runs, known.meaning);
+        let is_new = own.iter().all(|finding| finding.code != *code);
+        is_new.then(|| Finding { severity: known.severity, ..Finding::of_script(code, &message) })
+    };
+    warning.into_iter().chain(found.codes.iter().filter_map(left_open)).collect()
 }
 
 /// One line a finding, with its severity and code, each after `indent` and ending with a line break.

@@ -10,7 +10,7 @@ use crate::panes::CHARACTERISTICS;
 use crate::{Figure, cell, figure};
 use base::diagnostic::shown_path;
 use base::number::significant;
-use base::written::{capital, digits};
+use base::written::{DIGITS, capital, digits};
 use lab::signal::{Series, column};
 use plot as diagrams;
 use plot::{Curve, Plot, TIME};
@@ -204,6 +204,9 @@ impl Shown {
 const MOST_NAMED: usize = 3;
 const MOST_DRAWN: usize = 8;
 
+/// Most digits of values that differ, which [`LEAST_DIFFERENCE`] needs.
+const MOST_DIGITS: usize = 5;
+
 /// Least difference that is one, as a share: smaller ones are shown as zero.
 const LEAST_DIFFERENCE: f64 = 5e-4;
 
@@ -223,7 +226,16 @@ impl Difference<'_> {
         let value = |run: usize| self.figure.values[run].as_ref().and_then(Value::as_f64).unwrap_or(f64::NAN);
         let (first, own) = (value(0), value(run));
         let reading = post::reading(&self.figure.name, first.abs().max(own.abs())).1;
-        format!("{} instead of {}", reading.text(own), reading.text(first))
+        let mut texts = [own, first].map(|value| reading.digits(value));
+        for count in DIGITS + 1..=MOST_DIGITS {
+            // As many digits as tell them apart.
+            if texts[0] != texts[1] {
+                break;
+            }
+            texts = [own, first].map(|value| significant(reading.value(value), count).replace('-', "\u{2212}"));
+        }
+        let [own, first] = texts.map(|text| reading.with_unit(&text));
+        format!("{own} instead of {first}")
     }
 }
 

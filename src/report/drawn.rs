@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::html::{data, escape};
+use crate::html::{data, escape, kept_together};
 use base::number::{rounded, significant};
 use base::written;
 use plot::{Axis, Curve, Look, Mark, Plot, Scale};
@@ -223,7 +223,7 @@ pub(crate) fn ranges(heading: &str, look: RangeLook, lines: &[Line]) -> String {
         [bar, whisker, mark, dot].into_iter().flatten().collect::<String>()
     };
     let item = |line: &Line| {
-        let (words, title, text) = (escape(&line.words), escape(&line.title), escape(&line.text));
+        let (words, title, text) = (escape(&line.words), escape(&line.title), escape(&kept_together(&line.text)));
         format!(
             "<li><span class=\"words\" title=\"{title}\">{words}</span><span class=\"track\" aria-hidden=\"true\">{}</span>\
              <span class=\"said\">{text}</span></li>\n",

@@ -75,6 +75,7 @@ pub(crate) fn named(name: &str) -> (String, String) {
     let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
     match force.or_else(other) {
         _ if name == "penetration" => (name.into(), "of the radius".into()),
+        _ if name == "seconds" => ("time".into(), "s".into()),
         Some((stem, unit)) => (stem.replace('_', " "), unit),
         None => (name.replace('_', " "), String::new()),
     }

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use base::diagnostic::steers;
 use base::finding::Finding;
+use base::units::Unit;
 use base::written::Reading;
 use plot::viridis::VIRIDIS;
 use study::codes;
@@ -68,7 +69,7 @@ pub fn page(title: &str, body: &str) -> String {
 
 /// A whole page with a heading, what it answers (text; empty of a page without an answer), its parts (HTML) and its foot.
 pub(crate) fn finished(title: &str, answer: &str, parts: &[String]) -> String {
-    page(title, &framed(title, answer, parts))
+    page(title, &framed(title, &kept_together(answer), parts))
 }
 
 /// Parts (HTML) of a page below its heading and its answer, above its foot.
@@ -76,6 +77,21 @@ pub(crate) fn framed(title: &str, answer: &str, parts: &[String]) -> String {
     let answer = if answer.is_empty() { String::new() } else { format!("<p class=\"lead\">{}</p>\n", escape(answer)) };
     let version = env!("CARGO_PKG_VERSION");
     format!("<h1>{}</h1>\n{answer}{}<footer>droptower {version}</footer>\n", escape(title), parts.concat())
+}
+
+/// A text in which no line ends between a number and its unit.
+pub(crate) fn kept_together(text: &str) -> String {
+    let mut kept = String::with_capacity(text.len());
+    for word in text.split_inclusive(' ') {
+        let symbol = word.trim_end_matches([' ', ',', '.', ';', ':', ')']);
+        let follows_number = kept.ends_with(' ') && kept.trim_end().ends_with(|last: char| last.is_ascii_digit());
+        if follows_number && !symbol.is_empty() && Unit::parse(symbol).is_ok() {
+            kept.pop();
+            kept.push('\u{a0}');
+        }
+        kept += word;
+    }
+    kept
 }
 
 /// A paragraph (text) in small letters.
@@ -411,6 +427,12 @@ pub(crate) fn folded(line: &str, content: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn units_stay_with_their_numbers() {
+        let kept = kept_together("14.3 g at 57 ms, 20 to 60 % of it (4.1 m/s²); 8 keys of 2 runs. 3");
+        assert_eq!(kept, "14.3\u{a0}g at 57\u{a0}ms, 20 to 60\u{a0}% of it (4.1\u{a0}m/s²); 8 keys of 2 runs. 3");
+    }
 
     #[test]
     fn pages_allow_their_own_scripts_and_nothing_else() {

@@ -50,13 +50,14 @@ pub(crate) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String
         html::section("Correlations", &correlations),
         html::section("Files of the script", &html::table_of_numbers(1, &["file", "rows", "bytes"], &files(output))),
     ];
+    // Of a study without searches, which answers by its plots and tables, the first short table is open.
+    let is_open = |at: usize, count: usize| at == 0 && count <= SHOWN_ROWS && output.searches.is_empty();
+    let of_study = |(at, (name, count, table)): (usize, (String, usize, String))| {
+        let html = folded(&format!("{name}: {}", counted(count, "row")), &table);
+        if is_open(at, count) { html.replacen("<details>", "<details open>", 1) } else { html }
+    };
     let tables: String = match fold {
-        Fold::All => html::section(
-            "Tables",
-            &tables
-                .map(|(name, count, table)| folded(&format!("{name}: {}", counted(count, "row")), &table))
-                .collect::<String>(),
-        ),
+        Fold::All => html::section("Tables", &tables.enumerate().map(of_study).collect::<String>()),
         Fold::Long => tables
             .map(|(name, count, table)| {
                 html::section(&name, &if count > SHOWN_ROWS { folded(&counted(count, "row"), &table) } else { table })

@@ -63,5 +63,5 @@ fn all(verdicts: &[Verdict]) -> String {
         };
         vec![verdict.name.clone(), became.into(), time_taken(verdict.seconds)]
     };
-    html::table(&["test", "verdict", "time"], &verdicts.iter().map(row).collect::<Vec<_>>())
+    html::table_of_numbers(2, &["test", "verdict", "time"], &verdicts.iter().map(row).collect::<Vec<_>>())
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::drawn::{self, Line, RangeLook, ranges};
-use crate::html::{self, Card, escape};
+use crate::html::{self, Card, escape, kept_together};
 use crate::script_output;
 use crate::study_page::estimates::Estimate;
 use base::units::Unit;
@@ -20,30 +20,30 @@ const MOST_POINTS: usize = 24_000;
 /// Most figures at the top of the page.
 const MOST_CARDS: usize = 8;
 
+/// Most parameters whose values the answer names.
+const MOST_NAMED: usize = 4;
+
 /// The best curve of a search and the one that it was to meet.
 struct Fit<'a> {
     search: &'a ConvergenceHistory,
     fit: &'a script::Fit,
+    /// The search, the quantity, or both: what tells it from the others.
+    name: String,
     /// Root mean square of the difference over that of the measured curve.
     error: f64,
 }
 
-impl Fit<'_> {
-    /// The search, and the quantity where there are several.
-    fn name(&self) -> String {
-        match self.search.fits.len() {
-            1 => self.search.title.clone(),
-            _ => format!("{}: {}", self.search.title, self.fit.quantity),
-        }
-    }
-}
-
 fn fits(output: &ScriptOutput) -> Vec<Fit<'_>> {
-    let of_search = |search| search_fits(search);
-    output.searches.iter().flat_map(of_search).collect()
+    let is_one = output.searches.len() == 1;
+    output.searches.iter().flat_map(|search| search_fits(search, is_one)).collect()
 }
 
-fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
+fn search_fits(search: &ConvergenceHistory, is_one: bool) -> impl Iterator<Item = Fit<'_>> {
+    let name = move |fit: &script::Fit| match (search.fits.len(), is_one) {
+        (1, _) => search.title.clone(),
+        (_, true) => fit.quantity.clone(),
+        (_, false) => format!("{}: {}", search.title, fit.quantity),
+    };
     let error = |fit: &script::Fit| {
         let square = |value: f32| f64::from(value).powi(2);
         let pairs = || fit.values.iter().zip(&fit.target.values);
@@ -51,7 +51,7 @@ fn search_fits(search: &ConvergenceHistory) -> impl Iterator<Item = Fit<'_>> {
         let whole: f64 = pairs().map(|(_, wanted)| square(*wanted)).sum();
         (whole > 0.0).then(|| (difference / whole).sqrt())
     };
-    search.fits.iter().filter_map(move |fit| Some(Fit { search, fit, error: error(fit)? }))
+    search.fits.iter().filter_map(move |fit| Some(Fit { search, fit, name: name(fit), error: error(fit)? }))
 }
 
 /// The answer of a study in a few sentences: its own, else what its searches found, else the first line of its description.
@@ -87,11 +87,11 @@ fn met(fits: &[Fit]) -> Option<String> {
     let from = if is_virtual { "virtual recordings" } else { "those measured" };
     let [low, high] = [best, worst].map(|fit| digits(100.0 * fit.error));
     Some(match fits {
-        [one] => format!("The identified curve of {} differs from {} by {high} %.", one.name(), from_one(is_virtual)),
+        [one] => format!("The identified curve of {} differs from {} by {high} %.", one.name, from_one(is_virtual)),
         _ => format!(
             "The {} identified curves differ from {from} by {low} to {high} %; {} is worst.",
             fits.len(),
-            worst.name()
+            worst.name
         ),
     })
 }
@@ -100,22 +100,26 @@ fn from_one(is_virtual: bool) -> &'static str {
     if is_virtual { "the virtual recording" } else { "the one measured" }
 }
 
-/// How well the parameters are known.
+/// The parameters and how well they are known.
 fn known(estimates: &[Estimate]) -> Option<String> {
     let is_sure = |one: &&Estimate| one.doubt.is_none();
     let open = estimates.iter().filter(is_sure).filter(|one| one.half_width().is_none());
     let open: Vec<String> = open.map(Estimate::name).collect();
-    let share = |one: &Estimate| Some((one.half_width()? / one.value.abs(), one.name()));
-    let mut shares: Vec<(f64, String)> =
-        estimates.iter().filter(is_sure).filter_map(share).filter(|(share, _)| share.is_finite()).collect();
-    shares.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let share =
+        |one: &'_ Estimate| one.half_width().map(|half| half / one.value.abs()).filter(|share| share.is_finite());
+    let mut shares: Vec<(f64, &Estimate)> =
+        estimates.iter().filter(is_sure).filter_map(|one| Some((share(one)?, one))).collect();
     let width = |share: f64| digits(100.0 * share);
-    let closed = match &shares[..] {
-        [] => None,
-        [(share, name)] => Some(format!("{name} is known to ±{} %.", width(*share))),
-        [(best, _), .., (worst, name)] => {
-            Some(format!("Parameters are known to ±{} to ±{} %, least of all {name}.", width(*best), width(*worst)))
-        }
+    let closed = if shares.len() <= MOST_NAMED {
+        let known =
+            |(share, one): &(f64, &Estimate)| format!("{} {} (±{} %)", one.name(), one.shown(one.value), width(*share));
+        let known: Vec<String> = shares.iter().map(known).collect();
+        (!known.is_empty()).then(|| format!("Identified: {}.", known.join(", ")))
+    } else {
+        shares.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [best, worst] = [&shares[0], &shares[shares.len() - 1]];
+        let least = worst.1.name();
+        Some(format!("Parameters are known to ±{} to ±{} %, least of all {least}.", width(best.0), width(worst.0)))
     };
     let open = (!open.is_empty()).then(|| format!("Without a bound: {}.", open.join(", ")));
     // What a calibration doubts has no width in the answer.
@@ -138,7 +142,7 @@ fn known(estimates: &[Estimate]) -> Option<String> {
 pub(super) fn curves(output: &ScriptOutput) -> String {
     let plot = |fit: &Fit| {
         let plot = script_output::best_fit(fit.search, fit.fit, "identified");
-        Plot { title: format!("{}: {} % apart", fit.name(), digits(100.0 * fit.error)), ..plot }
+        Plot { title: format!("{}: {} % apart", fit.name, digits(100.0 * fit.error)), ..plot }
     };
     let plots: Vec<Plot> = fits(output).iter().take(MOST_FITS).map(plot).collect();
     drawn::small(&thinned(plots, MOST_POINTS))
@@ -168,14 +172,7 @@ pub(super) fn parameters(estimates: &[Estimate]) -> String {
 }
 
 fn line(one: &Estimate, is_alone: bool) -> Line {
-    // As many digits as tell the ends of the interval apart.
-    let shown = |value: f64| match one.half_width() {
-        Some(half) if half > 0.0 && half < 0.05 * one.value.abs() => {
-            base::number::figure(value, ((one.value.abs() / half).log10().ceil() as usize + 1).min(9))
-                .replace('-', "\u{2212}")
-        }
-        _ => digits(value),
-    };
+    let shown = |value: f64| one.shown(value);
     let [low, high] = one.interval.map(|end| end.map_or_else(|| "open".into(), shown));
     let mark = one.mark.map(|(value, what)| (value, format!("{what} {}", digits(value))));
     let compared = mark.as_ref().map_or_else(String::new, |(_, words)| format!("; {words}"));
@@ -216,7 +213,7 @@ pub(super) fn cards(measures: &Row, script: &str) -> String {
             _ => return None,
         };
         let beside: Vec<&str> = interval.as_deref().into_iter().chain(figure_sentence(script, told)).collect();
-        let (words, value) = (escape(&Reading::of_name(name, 0.0).0), &escape(&shown));
+        let (words, value) = (escape(&Reading::of_name(name, 0.0).0), &escape(&kept_together(&shown)));
         Some(Card { title: name, words, value, beside: &beside.join(": "), ..Card::default() }.html())
     };
     let cards: String = measures.keys().filter_map(card).take(MOST_CARDS).collect();
@@ -244,12 +241,12 @@ mod tests {
         let script = "//! figure failure_mass_low_kg  95 % interval.\n//! figure span_low_kg  One change a time.\n//! figure share  Of all.\n";
         let html = cards(measures.as_object().expect("figures"), script);
         assert_eq!(html.matches("<li>").count(), 5, "{html}");
-        assert!(html.contains("60 g</span><span class=\"beside\">50 to 70 g: 95 % interval.</span>"), "{html}");
+        assert!(html.contains("60\u{a0}g</span><span class=\"beside\">50 to 70 g: 95 % interval.</span>"), "{html}");
         assert!(
-            html.contains("20 %</span><span class=\"beside\">Of all.</span></li>") && html.contains("lowest"),
+            html.contains("20\u{a0}%</span><span class=\"beside\">Of all.</span></li>") && html.contains("lowest"),
             "an open end is no interval: {html}"
         );
-        assert!(html.contains("20 to 40 g</span><span class=\"beside\">One change a time.</span>"), "{html}");
+        assert!(html.contains("20 to 40\u{a0}g</span><span class=\"beside\">One change a time.</span>"), "{html}");
     }
 
     #[test]
@@ -286,7 +283,7 @@ mod tests {
         let all = [one("k1", None), one("ke", mesh), one("ky", mesh), one("kb", Some("at its upper bound"))];
         assert_eq!(
             sentence(&output, &all, ""),
-            "k1 is known to ±5 %. ke and ky are limited by the mesh. kb is at its upper bound. Measure light next: it narrows ky."
+            "Identified: k1 2 (±5 %). ke and ky are limited by the mesh. kb is at its upper bound. Measure light next: it narrows ky."
         );
     }
 }

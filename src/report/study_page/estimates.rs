@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::super::cell;
+use base::written::digits;
 use scene::scenario::grammar;
 use study::script::{Row, ScriptOutput};
 
@@ -51,6 +52,17 @@ impl Estimate {
         match &self.test {
             Some(test) => format!("{} of {test}", self.title()),
             None => self.title(),
+        }
+    }
+
+    /// A value of the parameter, with as many digits as tell the ends of the interval apart.
+    pub(super) fn shown(&self, value: f64) -> String {
+        match self.half_width() {
+            Some(half) if half > 0.0 && half < 0.05 * self.value.abs() => {
+                base::number::figure(value, ((self.value.abs() / half).log10().ceil() as usize + 1).min(9))
+                    .replace('-', "\u{2212}")
+            }
+            _ => digits(value),
         }
     }
 
