@@ -11,8 +11,8 @@ use membrane::material::{
     RateTableError, Rupture, ShiftFactor, Viscosity, ViscosityError, Voce, Wlf, Written,
 };
 
-/// Keys of coefficients, with whether they are written.
-type Keys = [(&'static str, bool); 9];
+/// Keys of coefficients.
+const COEFFICIENTS: [&str; 9] = ["mu", "alpha", "jm", "c10", "c01", "c20", "c30", "young", "poisson"];
 
 /// The law written at `path`; none where it is invalid.
 pub(super) fn check_hyperelastic(
@@ -22,22 +22,12 @@ pub(super) fn check_hyperelastic(
 ) -> Option<Law> {
     // Variants in the order of the table.
     let (law, own) = ENERGIES[written.law as usize];
-    let keys: Keys = [
-        ("mu", written.mu.is_some()),
-        ("alpha", written.alpha.is_some()),
-        ("jm", written.jm.is_some()),
-        ("c10", written.c10.is_some()),
-        ("c01", written.c01.is_some()),
-        ("c20", written.c20.is_some()),
-        ("c30", written.c30.is_some()),
-        ("young", written.young.is_some()),
-        ("poisson", written.poisson.is_some()),
-    ];
     let has = format!("`{law}` has {}", own.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "));
-    for (key, is_written) in keys {
-        match (own.contains(&key), is_written) {
-            (true, false) => mistakes.missing(&format!("{path}.{key}"), &*has),
-            (false, true) => mistakes.out_of_place(&format!("{path}.{key}"), &*has),
+    for key in COEFFICIENTS {
+        let place = format!("{path}.{key}");
+        match (own.contains(&key), mistakes.is_written(&place)) {
+            (true, false) => mistakes.missing(&place, &*has),
+            (false, true) => mistakes.out_of_place(&place, &*has),
             _ => {}
         }
     }

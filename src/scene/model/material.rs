@@ -1,7 +1,7 @@
 //! The material of a layer: valid curves with their multipliers.
 
 use super::{ModelDiagnostics, exclusions, law};
-use crate::scenario::{self, Fibre, Point, RateCurve, Scale};
+use crate::scenario::{self, Fibre, FibreCurve, Point, RateCurve, Scale};
 use base::number::significant;
 use base::units::Rate;
 use membrane::material::{
@@ -100,10 +100,7 @@ impl Curves {
 
 /// A curve as written, of a fibre set or of one of its rates.
 struct Written<'a> {
-    yield_points: Option<[Point; 2]>,
-    break_point: Option<Point>,
-    curve: Option<&'a [Point]>,
-    yield_strains: Option<[f64; 2]>,
+    points: &'a FibreCurve,
     /// Its multipliers.
     scale: Scaling,
     /// Its break strain over that which these leave.
@@ -131,13 +128,10 @@ fn fibre(
     let (multipliers, place) = written.scale.map_or((fabric.scale, of_fabric), |own| (own, format!("{path}.scale")));
     let scale = Scaling { multipliers, path: place, moves_break: fabric.scale_break };
     let Some(rates) = &written.rates else {
-        let Fibre { yield_points, break_point, curve, yield_strains, .. } = written;
-        let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
-        let (curve, break_factor) = (curve.as_deref(), written.break_factor);
-        let written = Written { yield_points, break_point, curve, yield_strains, scale, break_factor };
+        let written = Written { points: &written.points, scale, break_factor: written.break_factor };
         return self::written(&written, path, mistakes).map(Curves::One);
     };
-    if written.yield_strains.is_some() {
+    if written.points.yield_strains.is_some() {
         mistakes.out_of_place(&format!("{path}.yield_strains"), "each of `rates` has its own");
     }
     let memory = fabric.rate_memory.unwrap_or(RATE_MEMORY);
@@ -160,12 +154,10 @@ fn by_rate(
     let mut curves = Vec::with_capacity(written.len());
     for (index, written) in written.iter().enumerate() {
         let path = format!("{path}.rates.{index}");
-        let RateCurve { rate, yield_points, break_point, curve, yield_strains, scale: own } = written;
-        let (yield_points, break_point, yield_strains) = (*yield_points, *break_point, *yield_strains);
+        let RateCurve { rate, points, scale: own } = written;
         let own = own.map(|multipliers| Scaling { multipliers, path: format!("{path}.scale"), ..*scale });
         let scale = own.unwrap_or_else(|| scale.clone());
-        let curve = curve.as_deref();
-        let written = Written { yield_points, break_point, curve, yield_strains, scale, break_factor };
+        let written = Written { points, scale, break_factor };
         curves.push(self::written(&written, &path, mistakes).map(|curve| (rate.0, curve)));
     }
     let error = match RateCurves::new(curves.into_iter().collect::<Option<_>>()?, memory) {
@@ -193,10 +185,11 @@ fn by_rate(
 
 /// One curve with its multipliers.
 fn written(written: &Written<'_>, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Curve> {
-    let (curve, yields) = match (written.curve, written.yield_points, written.break_point) {
-        (Some(points), _, _) => general(written, points, path, mistakes)?,
+    let FibreCurve { yield_points, break_point, curve, yield_strains } = written.points;
+    let (curve, yields) = match (curve, *yield_points, *break_point) {
+        (Some(points), _, _) => general(*yield_strains, points, path, mistakes)?,
         (None, Some([first, second]), Some(end)) => {
-            if written.yield_strains.is_some() {
+            if yield_strains.is_some() {
                 let why = "the yield points are those of `yield`";
                 mistakes.out_of_place(&format!("{path}.yield_strains"), why);
             }
@@ -204,7 +197,7 @@ fn written(written: &Written<'_>, path: &str, mistakes: &mut ModelDiagnostics<'_
                 0 | 1 => format!("{path}.yield.{index}"),
                 _ => format!("{path}.break"),
             };
-            let curve = curve(&[first, second, end], path, place, mistakes)?;
+            let curve = self::curve(&[first, second, end], path, place, mistakes)?;
             (curve, Some([first.0, second.0]))
         }
         _ => return None,
@@ -220,7 +213,7 @@ fn written(written: &Written<'_>, path: &str, mistakes: &mut ModelDiagnostics<'_
 
 /// A curve of any points; its yield strains must ascend within it.
 fn general(
-    written: &Written<'_>,
+    yield_strains: Option<[f64; 2]>,
     points: &[Point],
     path: &str,
     mistakes: &mut ModelDiagnostics<'_>,
@@ -228,7 +221,7 @@ fn general(
     let curve_path = format!("{path}.curve");
     let place = |index: usize| format!("{curve_path}.{index}");
     let curve = curve(points, &curve_path, place, mistakes)?;
-    if let Some([first, second]) = written.yield_strains {
+    if let Some([first, second]) = yield_strains {
         let last = curve.points().last().map_or(0.0, |point| point[0]);
         let path = format!("{path}.yield_strains");
         if second <= first {
@@ -239,7 +232,7 @@ fn general(
             mistakes.label(&place(points.len() - 1), "its last point");
         }
     }
-    Some((curve, written.yield_strains))
+    Some((curve, yield_strains))
 }
 
 /// The curve with its multipliers, which need its yield strains.

@@ -409,7 +409,7 @@ fn written_material(scenario: &Scenario, place: usize) -> Option<&scenario::Mate
 fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
     let fabric = written.fabric.as_ref()?;
     let fibre = if key == "md" { &fabric.md } else { &fabric.td };
-    let end = fibre.break_point.or_else(|| fibre.curve.as_ref()?.last().copied())?.0;
+    let end = fibre.points.break_point.or_else(|| fibre.points.curve.as_ref()?.last().copied())?.0;
     let Scale { k1, ke, .. } = fibre.scale.unwrap_or(fabric.scale);
     let shown = |value| significant(value, 4);
     let is_changed = fabric.scale_break && (k1, ke) != (1.0, 1.0);

@@ -14,58 +14,295 @@ use base::units::{
 /// Most impactors of a scene.
 const MOST: usize = 16;
 
-/// A rigid body that loads the film.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Impactor {
-    /// Name of the body among several, with which the names of its signals and figures begin: a letter, then letters, digits
-    /// and underscores.
-    pub name: Option<String>,
-    /// Shape of the body; its axis is z, its tip points down.
-    #[schemars(schema_with = "shape_schema")]
-    pub shape: ImpactorShape,
-    /// Mass of the body and all that moves with it; required where it falls.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 2e3]))]
-    #[schemars(title = "Mass of the impactor")]
-    pub mass: Option<Mass>,
-    /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
-    /// the rounding of edges, where they are left out.
-    #[schemars(transform = schema::positive_items)]
-    pub inertia: Option<[Inertia; 3]>,
-    /// Its degrees of freedom.
-    #[serde(default)]
-    pub guide: Guide,
-    /// Friction of the guide, against the motion along it; none where it is left out. `droptower reduce drop` prints
-    /// that of a recorded fall.
-    #[serde(default)]
-    pub guide_friction: Option<GuideFriction>,
-    /// Coulomb coefficient between impactor and film; between two impactors, or an impactor and the frame's bars, the smaller
-    /// of theirs.
-    #[schemars(range(min = 0, max = 10), extend("x-likely" = [1e-3, 2.0]))]
-    #[schemars(title = "Friction of impactor and film")]
-    pub friction: f64,
-    /// Coefficient of restitution where impactors meet, of which a pair has the smaller, and where this one meets the
-    /// frame's bars: 0 where they stay together, 1 where no energy is lost.
-    #[serde(default)]
-    #[schemars(range(min = 0, max = 1))]
-    pub restitution: f64,
-    /// When it is released with its velocity; until then it stands still at its position and touches nothing. One that is
-    /// released later than at the start needs a height in `position`.
-    #[serde(default)]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-6, 5.0]))]
-    pub at: Time,
-    /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
-    /// height it is placed on the film as mounted.
-    #[serde(default = "centre")]
-    #[schemars(length(min = 2, max = 3), extend("x-likely" = [-10.0, 10.0]))]
-    pub position: Vec<Length>,
-    /// Rotation from the upright position, about an axis through its centre of mass.
-    pub orientation: Option<Orientation>,
-    /// Velocity of its centre of mass at the start, in place of the downward speed of `loading.impact`.
-    #[schemars(extend("x-likely" = [-500.0, 500.0]))]
-    pub velocity: Option<[Velocity; 3]>,
-    /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
-    /// its axis.
-    pub spin: Option<[AngularVelocity; 3]>,
+keys! {
+    /// A rigid body that loads the film.
+    pub struct Impactor {
+        /// Name of the body among several, with which the names of its signals and figures begin: a letter, then letters, digits
+        /// and underscores.
+        name: Option<String>;
+        /// Shape of the body; its axis is z, its tip points down.
+        shape: ImpactorShape, schemars(schema_with = "shape_schema");
+        /// Mass of the body and all that moves with it; required where it falls.
+        mass: Option<Mass>, above 0, likely [1e-3, 2e3], title "Mass of the impactor";
+        /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
+        /// the rounding of edges, where they are left out.
+        inertia: Option<[Inertia; 3]>, positive;
+        /// Its degrees of freedom.
+        guide: Guide, default;
+        /// Friction of the guide, against the motion along it; none where it is left out. `droptower reduce drop` prints
+        /// that of a recorded fall.
+        guide_friction: Option<GuideFriction>, default;
+        /// Coulomb coefficient between impactor and film; between two impactors, or an impactor and the frame's bars, the smaller
+        /// of theirs.
+        friction: f64, from 0, to 10, likely [1e-3, 2.0], title "Friction of impactor and film";
+        /// Coefficient of restitution where impactors meet, of which a pair has the smaller, and where this one meets the
+        /// frame's bars: 0 where they stay together, 1 where no energy is lost.
+        restitution: f64, default, from 0, to 1;
+        /// When it is released with its velocity; until then it stands still at its position and touches nothing. One that is
+        /// released later than at the start needs a height in `position`.
+        at: Time, default, from 0, likely [1e-6, 5.0];
+        /// Position of its centre of mass at the start: x, y, and its height z, from which `layers.faces` count too. Without a
+        /// height it is placed on the film as mounted.
+        position: Vec<Length>, default "centre", least 2, most 3, likely [-10.0, 10.0];
+        /// Rotation from the upright position, about an axis through its centre of mass.
+        orientation: Option<Orientation>;
+        /// Velocity of its centre of mass at the start, in place of the downward speed of `loading.impact`.
+        velocity: Option<[Velocity; 3]>, likely [-500.0, 500.0];
+        /// Angular velocity at the start, about the axes of the scene; of a free impactor, and of one on a hinge the part along
+        /// its axis.
+        spin: Option<[AngularVelocity; 3]>;
+    }
+
+    /// A rotation about an axis.
+    #[derive(Copy, PartialEq)]
+    pub struct Orientation {
+        /// Direction of the axis, of any length.
+        axis: [f64; 3];
+        /// Angle about it, by the right-hand rule.
+        angle: Angle;
+    }
+
+    /// A body of several parts.
+    pub struct Compound {
+        /// A body of several shapes of one density.
+        compound: Vec<Part>, least 1;
+    }
+
+    /// A part of a compound body.
+    pub struct Part {
+        /// Its shape.
+        shape: BodyShape;
+        /// Position of the middle of its height on its axis, or of the origin of its file's coordinates, in the body: x, y, z.
+        at: [Length; 3], default;
+        /// Its rotation about that point.
+        orientation: Option<Orientation>;
+    }
+
+    /// A shape.
+    pub enum BodyShape {
+        /// A ball.
+        Sphere(Round<300>),
+        /// A dart: a shaft with a hemispherical tip (ASTM D1709).
+        Hemisphere {
+            /// Of tip and shaft.
+            #[serde(flatten)]
+            round: Round<300>,
+            /// Length of the shaft behind the tip; four radii where it is left out.
+            #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+            length: Option<Length>,
+        },
+        /// A cylinder with a hemisphere at each end, axis along z.
+        Capsule {
+            /// Of cylinder and hemispheres.
+            #[serde(flatten)]
+            round: Round<300>,
+            /// Length of the cylinder between the hemispheres.
+            #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+            length: Length,
+        },
+        /// A flat-ended cylinder, axis along z.
+        Cylinder {
+            /// Of the flat end.
+            #[serde(flatten)]
+            round: Round<300>,
+            /// Length along z.
+            #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+            length: Length,
+            /// Radius of its edges; sharp where it is left out.
+            #[serde(default)]
+            #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+            edge: Length,
+        },
+        /// A cone with its tip down, axis along z.
+        Cone {
+            /// Of the flat end.
+            #[serde(flatten)]
+            round: Round<300>,
+            /// Length along z, with a sharp tip.
+            #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
+            length: Length,
+            /// Radius of tip and edge, inside the flanks; sharp where it is left out.
+            #[serde(default)]
+            #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+            edge: Length,
+        },
+        /// A box.
+        Box {
+            /// Its lengths along x, y and z.
+            #[schemars(transform = schema::positive_items)]
+            size: [Length; 3],
+            /// Radius of its edges; sharp where it is left out.
+            #[serde(default)]
+            #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
+            edge: Length,
+        },
+        /// A closed surface from an STL or OBJ file.
+        Mesh(MeshFile),
+    }
+
+    /// A file with a mesh: its path, with coordinates in m, or with their unit. The validator has reported mistakes
+    /// before serde tries the two forms.
+    pub enum MeshFile of forms {
+        /// Coordinates in m.
+        Path(#[schemars(extend("x-path" = true))] PathBuf),
+        /// With unit and scale.
+        Table(MeshTable),
+    }
+
+    /// A file with a mesh and the unit of its coordinates.
+    pub struct MeshTable {
+        /// The file.
+        file: PathBuf, path;
+        /// Unit of its coordinates.
+        unit: MeshUnit, default;
+        /// Factor on all coordinates besides.
+        scale: f64, default "schema::one::<f64>", above 0;
+    }
+
+    /// Unit of the coordinates of a file.
+    #[derive(Default)]
+    pub enum MeshUnit of words {
+        /// Metre.
+        #[default]
+        M,
+        /// Centimetre.
+        Cm,
+        /// Millimetre.
+        Mm,
+        /// Inch.
+        In,
+    }
+
+    /// Force of the guide against the motion of the impactor.
+    pub struct GuideFriction with defaults {
+        /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
+        constant: Force, from 0, likely [1e-3, 1e3];
+        /// Part that is proportional to the speed.
+        per_speed: ForcePerSpeed, from 0, likely [1e-4, 1e3];
+        /// Part that depends on the speed in any other way: speed and force of each point, the speeds ascending; straight
+        /// between the points, constant before the first and beyond the last.
+        curve: Vec<FrictionPoint>, or empty;
+    }
+
+    /// Degrees of freedom of the impactor.
+    #[derive(Copy, Default, PartialEq)]
+    pub enum Guide {
+        /// Translation along z only.
+        #[default]
+        Z,
+        /// Six degrees of freedom.
+        Free,
+        /// None: it stays where it is.
+        Fixed,
+        /// Translation along a line, e.g. `{ line = [1, 0, -2] }`: its direction, of any length.
+        Line([f64; 3]),
+        /// Rotation about an axis that stays where it is; the impactor starts with `spin`.
+        Hinge(Hinge),
+    }
+
+    /// An axis about which the impactor rotates.
+    #[derive(Copy, PartialEq)]
+    pub struct Hinge {
+        /// Direction of the axis, of any length.
+        axis: [f64; 3];
+        /// A point of the axis: x, y, z.
+        at: [Length; 3];
+    }
+
+    /// The loading of the specimen.
+    pub enum Loading {
+        /// An impactor falls, flies or swings onto the film, or film falls onto it.
+        Impact(Impact),
+        /// Two jaws, the edges x- and x+, part along x.
+        Stretch(Stretch),
+        /// The impactor moves slowly down into the film at a prescribed speed.
+        Indent(Indent),
+        /// Pressure on the lower side of the film, held all around, inflates it; of several faces it acts on the lowest, which
+        /// presses on those above it.
+        Pressure(Inflation),
+        /// Gas let in under one face of film, held all around, inflates it, also beyond the largest pressure that it carries.
+        Volume(Filling),
+    }
+
+    /// An impact.
+    #[schemars(extend("not" = { "required": ["velocity", "drop_height"] }))]
+    pub struct Impact {
+        /// Speed at the start, at first contact where the impactor starts there, downward positive; on a guide along a line,
+        /// down the line. `impactor.velocity` is one in any direction.
+        velocity: Option<Velocity>, above 0, likely [1e-3, 500.0], title "Impact speed";
+        /// Drop height of an ideal free fall to first contact, in place of `velocity`.
+        drop_height: Option<Length>, above 0, likely [1e-3, 100.0], title "Drop height";
+        /// Acceleration of free fall.
+        gravity: Acceleration, default "standard_gravity", from 0, likely [1e-3, 300.0];
+        /// Simulated time from the start: from first contact, unless the impactor starts above the film.
+        duration: Time, above 0, likely [1e-6, 5.0];
+    }
+
+    /// A tensile test of a coupon or of a single element.
+    pub struct Stretch {
+        /// Direction of loading in the film: along MD, along TD, or an angle from MD.
+        direction: Direction;
+        /// Speed at which the jaws part, both together.
+        velocity: Velocity, above 0;
+        /// Engineering strain at which the test ends.
+        until: f64, above 0, to 100;
+        /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
+        /// is left out.
+        mass_scaling: Option<f64>, from 1;
+    }
+
+    /// Direction of loading. The validator has reported mistakes before serde tries the two forms.
+    #[derive(Copy, PartialEq)]
+    pub enum Direction of forms {
+        /// Along MD or TD.
+        Axis(Axis),
+        /// An angle from MD.
+        Angle(Angle),
+    }
+
+    /// A direction of the film.
+    pub enum Axis of words {
+        /// The machine direction.
+        #[serde(rename = "MD")]
+        Machine,
+        /// The transverse direction.
+        #[serde(rename = "TD")]
+        Transverse,
+    }
+
+    /// A slow indentation: the film is in equilibrium throughout.
+    pub struct Indent {
+        /// Travel of the impactor from first contact, downward, at which the test ends.
+        depth: Length, above 0, likely [1e-5, 2.0];
+        /// Speed of the impactor.
+        velocity: Velocity, above 0;
+        /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+        /// loading lasts 50 periods of the film.
+        mass_scaling: Option<f64>, from 1;
+    }
+
+    /// A slow inflation: the film is in equilibrium throughout.
+    pub struct Inflation {
+        /// Final difference of the pressures below and above the film.
+        pressure: Pressure, above 0, likely [1.0, 1e8];
+        /// Time in which the pressure rises, smoothly at both ends; it is then constant for half as long.
+        ramp: Time, above 0;
+        /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+        /// loading lasts 50 periods of the film.
+        mass_scaling: Option<f64>, from 1;
+    }
+
+    /// A slow inflation by a volume of gas: the film is in equilibrium throughout.
+    pub struct Filling {
+        /// Volume of the gas under the film at the end, at the pressure that it has there; of the whole film, also where its
+        /// symmetry is used.
+        volume: Volume, above 0, likely [1e-9, 100.0];
+        /// Time in which the gas is let in, smoothly at both ends; its volume is then constant for half as long.
+        ramp: Time, above 0;
+        /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
+        /// loading lasts 100 periods of the film.
+        mass_scaling: Option<f64>, from 1;
+    }
 }
 
 /// One table, or a list of them. The validator has reported mistakes before serde tries the two forms.
@@ -94,15 +331,6 @@ fn centre() -> Vec<Length> {
     vec![Length(0.0); 2]
 }
 
-/// A rotation about an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Orientation {
-    /// Direction of the axis, of any length.
-    pub axis: [f64; 3],
-    /// Angle about it, by the right-hand rule.
-    pub angle: Angle,
-}
-
 /// Shape of the impactor: one of the shapes, or several of them. The validator has reported mistakes before serde tries
 /// the two forms.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -114,26 +342,6 @@ pub enum ImpactorShape {
     One(BodyShape),
 }
 
-/// A body of several parts.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Compound {
-    /// A body of several shapes of one density.
-    #[schemars(length(min = 1))]
-    pub compound: Vec<Part>,
-}
-
-/// A part of a compound body.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Part {
-    /// Its shape.
-    pub shape: BodyShape,
-    /// Position of the middle of its height on its axis, or of the origin of its file's coordinates, in the body: x, y, z.
-    #[serde(default)]
-    pub at: [Length; 3],
-    /// Its rotation about that point.
-    pub orientation: Option<Orientation>,
-}
-
 /// The schema of one shape, with that of a compound as one more choice.
 fn shape_schema(generator: &mut SchemaGenerator) -> Schema {
     let mut shape = BodyShape::json_schema(generator);
@@ -142,115 +350,6 @@ fn shape_schema(generator: &mut SchemaGenerator) -> Schema {
         choices.push(compound);
     }
     shape
-}
-
-/// A shape.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum BodyShape {
-    /// A ball.
-    Sphere(Round<300>),
-    /// A dart: a shaft with a hemispherical tip (ASTM D1709).
-    Hemisphere {
-        /// Of tip and shaft.
-        #[serde(flatten)]
-        round: Round<300>,
-        /// Length of the shaft behind the tip; four radii where it is left out.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        length: Option<Length>,
-    },
-    /// A cylinder with a hemisphere at each end, axis along z.
-    Capsule {
-        /// Of cylinder and hemispheres.
-        #[serde(flatten)]
-        round: Round<300>,
-        /// Length of the cylinder between the hemispheres.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        length: Length,
-    },
-    /// A flat-ended cylinder, axis along z.
-    Cylinder {
-        /// Of the flat end.
-        #[serde(flatten)]
-        round: Round<300>,
-        /// Length along z.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        length: Length,
-        /// Radius of its edges; sharp where it is left out.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
-        edge: Length,
-    },
-    /// A cone with its tip down, axis along z.
-    Cone {
-        /// Of the flat end.
-        #[serde(flatten)]
-        round: Round<300>,
-        /// Length along z, with a sharp tip.
-        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e3, "x-likely" = [1e-4, 3.0]))]
-        length: Length,
-        /// Radius of tip and edge, inside the flanks; sharp where it is left out.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
-        edge: Length,
-    },
-    /// A box.
-    Box {
-        /// Its lengths along x, y and z.
-        #[schemars(transform = schema::positive_items)]
-        size: [Length; 3],
-        /// Radius of its edges; sharp where it is left out.
-        #[serde(default)]
-        #[schemars(extend("minimum" = 0, "maximum" = 1e3, "x-likely" = [1e-5, 1.0]))]
-        edge: Length,
-    },
-    /// A closed surface from an STL or OBJ file.
-    Mesh(MeshFile),
-}
-
-/// A file with a mesh: its path, with coordinates in m, or with their unit. The validator has reported mistakes
-/// before serde tries the two forms.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum MeshFile {
-    /// Coordinates in m.
-    Path(#[schemars(extend("x-path" = true))] PathBuf),
-    /// With unit and scale.
-    Table(MeshTable),
-}
-
-/// A file with a mesh and the unit of its coordinates.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct MeshTable {
-    /// The file.
-    #[schemars(extend("x-path" = true))]
-    pub file: PathBuf,
-    /// Unit of its coordinates.
-    #[serde(default)]
-    pub unit: MeshUnit,
-    /// Factor on all coordinates besides.
-    #[serde(default = "unscaled")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub scale: f64,
-}
-
-fn unscaled() -> f64 {
-    1.0
-}
-
-/// Unit of the coordinates of a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum MeshUnit {
-    /// Metre.
-    #[default]
-    M,
-    /// Centimetre.
-    Cm,
-    /// Millimetre.
-    Mm,
-    /// Inch.
-    In,
 }
 
 impl MeshUnit {
@@ -265,178 +364,10 @@ impl MeshUnit {
     }
 }
 
-/// Force of the guide against the motion of the impactor.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct GuideFriction {
-    /// Part that does not depend on the speed; it holds an impactor at rest against a smaller force.
-    #[serde(default)]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 1e3]))]
-    pub constant: Force,
-    /// Part that is proportional to the speed.
-    #[serde(default)]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-4, 1e3]))]
-    pub per_speed: ForcePerSpeed,
-    /// Part that depends on the speed in any other way: speed and force of each point, the speeds ascending; straight
-    /// between the points, constant before the first and beyond the last.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub curve: Vec<FrictionPoint>,
-}
-
 /// Force of the guide at one speed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionPoint(#[schemars(range(min = 0))] pub Velocity, #[schemars(range(min = 0))] pub Force);
 
-/// Degrees of freedom of the impactor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Guide {
-    /// Translation along z only.
-    #[default]
-    Z,
-    /// Six degrees of freedom.
-    Free,
-    /// None: it stays where it is.
-    Fixed,
-    /// Translation along a line, e.g. `{ line = [1, 0, -2] }`: its direction, of any length.
-    Line([f64; 3]),
-    /// Rotation about an axis that stays where it is; the impactor starts with `spin`.
-    Hinge(Hinge),
-}
-
-/// An axis about which the impactor rotates.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Hinge {
-    /// Direction of the axis, of any length.
-    pub axis: [f64; 3],
-    /// A point of the axis: x, y, z.
-    pub at: [Length; 3],
-}
-
-/// The loading of the specimen.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Loading {
-    /// An impactor falls, flies or swings onto the film, or film falls onto it.
-    Impact(Impact),
-    /// Two jaws, the edges x- and x+, part along x.
-    Stretch(Stretch),
-    /// The impactor moves slowly down into the film at a prescribed speed.
-    Indent(Indent),
-    /// Pressure on the lower side of the film, held all around, inflates it; of several faces it acts on the lowest, which
-    /// presses on those above it.
-    Pressure(Inflation),
-    /// Gas let in under one face of film, held all around, inflates it, also beyond the largest pressure that it carries.
-    Volume(Filling),
-}
-
-/// An impact.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend(
-    "not" = { "required": ["velocity", "drop_height"] }
-))]
-pub struct Impact {
-    /// Speed at the start, at first contact where the impactor starts there, downward positive; on a guide along a line,
-    /// down the line. `impactor.velocity` is one in any direction.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 500.0]))]
-    #[schemars(title = "Impact speed")]
-    pub velocity: Option<Velocity>,
-    /// Drop height of an ideal free fall to first contact, in place of `velocity`.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-3, 100.0]))]
-    #[schemars(title = "Drop height")]
-    pub drop_height: Option<Length>,
-    /// Acceleration of free fall.
-    #[serde(default = "standard_gravity")]
-    #[schemars(range(min = 0), extend("x-likely" = [1e-3, 300.0]))]
-    pub gravity: Acceleration,
-    /// Simulated time from the start: from first contact, unless the impactor starts above the film.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-6, 5.0]))]
-    pub duration: Time,
-}
-
 fn standard_gravity() -> Acceleration {
     Acceleration(9.81)
-}
-
-/// A tensile test of a coupon or of a single element.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Stretch {
-    /// Direction of loading in the film: along MD, along TD, or an angle from MD.
-    pub direction: Direction,
-    /// Speed at which the jaws part, both together.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub velocity: Velocity,
-    /// Engineering strain at which the test ends.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 100))]
-    pub until: f64,
-    /// Factor on the film's mass that lengthens the time step; chosen from the number of steps where it
-    /// is left out.
-    #[schemars(range(min = 1))]
-    pub mass_scaling: Option<f64>,
-}
-
-/// Direction of loading. The validator has reported mistakes before serde tries the two forms.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Direction {
-    /// Along MD or TD.
-    Axis(Axis),
-    /// An angle from MD.
-    Angle(Angle),
-}
-
-/// A direction of the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum Axis {
-    /// The machine direction.
-    #[serde(rename = "MD")]
-    Machine,
-    /// The transverse direction.
-    #[serde(rename = "TD")]
-    Transverse,
-}
-
-/// A slow indentation: the film is in equilibrium throughout.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Indent {
-    /// Travel of the impactor from first contact, downward, at which the test ends.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-5, 2.0]))]
-    pub depth: Length,
-    /// Speed of the impactor.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub velocity: Velocity,
-    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
-    /// loading lasts 50 periods of the film.
-    #[schemars(range(min = 1))]
-    pub mass_scaling: Option<f64>,
-}
-
-/// A slow inflation: the film is in equilibrium throughout.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Inflation {
-    /// Final difference of the pressures below and above the film.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1.0, 1e8]))]
-    pub pressure: Pressure,
-    /// Time in which the pressure rises, smoothly at both ends; it is then constant for half as long.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ramp: Time,
-    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
-    /// loading lasts 50 periods of the film.
-    #[schemars(range(min = 1))]
-    pub mass_scaling: Option<f64>,
-}
-
-/// A slow inflation by a volume of gas: the film is in equilibrium throughout.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Filling {
-    /// Volume of the gas under the film at the end, at the pressure that it has there; of the whole film, also where its
-    /// symmetry is used.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-likely" = [1e-9, 100.0]))]
-    pub volume: Volume,
-    /// Time in which the gas is let in, smoothly at both ends; its volume is then constant for half as long.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ramp: Time,
-    /// Factor on the film's mass that lengthens the time step; where it is left out, chosen so that the
-    /// loading lasts 100 periods of the film.
-    #[schemars(range(min = 1))]
-    pub mass_scaling: Option<f64>,
 }

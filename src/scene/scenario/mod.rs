@@ -2,6 +2,8 @@
 //! one sentence. The schema for editors, `droptower explain` and the validator all follow
 //! from these structs. Relations between keys are checked by the model.
 
+#[macro_use]
+mod keys;
 mod curve_file;
 mod document;
 pub mod grammar;
@@ -17,9 +19,6 @@ mod variation;
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 pub use crate::mesh::{Element, Side};
 pub use curve_file::Point;
 pub use document::Document;
@@ -34,55 +33,47 @@ pub use tree::{Assignment, Entry, Node, Table, Value, parse as parse_tree};
 pub use validate::{Implausible, validate};
 pub use variation::{Correlation, Method, Variation, VariedKey};
 
-/// A scenario as written: the film, its loading, and what is recorded.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("not" = { "required": ["layers", "layer"] }))]
-pub struct Scenario {
-    /// One line that describes the scenario; the name of its file where it is left out.
-    pub title: Option<String>,
-    /// A scenario file whose keys this one extends and replaces; relative to this file.
-    #[schemars(extend("x-path" = true))]
-    pub extends: Option<PathBuf>,
-    /// Key paths of the file named by `extends` that are left out, e.g. `["specimen.mesh.size"]`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub unset: Vec<String>,
-    /// The film: outline, material, mesh.
-    pub specimen: Specimen,
-    /// Number and height of layers, all of the specimen's material.
-    pub layers: Option<Layers>,
-    /// One entry a face, in place of `layers`: each with its own height, material, angle and mesh.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(min = 1, max = 64))]
-    pub layer: Vec<Layer>,
-    /// The mounting frame.
-    #[serde(default)]
-    pub frame: Frame,
-    /// The rigid bodies that load the film, only where the loading needs them: `[impactor]`, or one `[[impactor]]` each.
-    #[serde(default, deserialize_with = "impactor::one_or_several", skip_serializing_if = "Vec::is_empty")]
-    #[schemars(schema_with = "impactor::one_or_several_schema")]
-    pub impactor: Vec<Impactor>,
-    /// The loading of the specimen.
-    pub loading: Loading,
-    /// Contact between faces of film.
-    #[serde(default)]
-    pub contact: Contact,
-    /// The air around the film.
-    pub air: Option<Air>,
-    /// Time stepping.
-    #[serde(default)]
-    pub solver: Solver,
-    /// What a run records.
-    #[serde(default)]
-    pub output: Output,
-    /// A recording that the run is compared with.
-    pub reference: Option<Reference>,
-    /// Processing of the results.
-    pub post: Option<Post>,
-    /// What varies from run to run of `droptower sweep`; other commands leave it out. Each key, in quotes, has a list of values,
-    /// `{ range = ["1 m", "2 m"], count = 5 }` or a distribution: `{ uniform = [low, high] }`,
-    /// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
-    /// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
-    pub variation: Option<Variation>,
+keys! {
+    /// A scenario as written: the film, its loading, and what is recorded.
+    #[schemars(extend("not" = { "required": ["layers", "layer"] }))]
+    pub struct Scenario {
+        /// One line that describes the scenario; the name of its file where it is left out.
+        title: Option<String>;
+        /// A scenario file whose keys this one extends and replaces; relative to this file.
+        extends: Option<PathBuf>, path;
+        /// Key paths of the file named by `extends` that are left out, e.g. `["specimen.mesh.size"]`.
+        unset: Vec<String>, or empty;
+        /// The film: outline, material, mesh.
+        specimen: Specimen;
+        /// Number and height of layers, all of the specimen's material.
+        layers: Option<Layers>;
+        /// One entry a face, in place of `layers`: each with its own height, material, angle and mesh.
+        layer: Vec<Layer>, or empty, least 1, most 64;
+        /// The mounting frame.
+        frame: Frame, default;
+        /// The rigid bodies that load the film, only where the loading needs them: `[impactor]`, or one `[[impactor]]` each.
+        impactor: Vec<Impactor>, serde(default, deserialize_with = "impactor::one_or_several", skip_serializing_if = "Vec::is_empty"),
+            schemars(schema_with = "impactor::one_or_several_schema");
+        /// The loading of the specimen.
+        loading: Loading;
+        /// Contact between faces of film.
+        contact: Contact, default;
+        /// The air around the film.
+        air: Option<Air>;
+        /// Time stepping.
+        solver: Solver, default;
+        /// What a run records.
+        output: Output, default;
+        /// A recording that the run is compared with.
+        reference: Option<Reference>;
+        /// Processing of the results.
+        post: Option<Post>;
+        /// What varies from run to run of `droptower sweep`; other commands leave it out. Each key, in quotes, has a list of values,
+        /// `{ range = ["1 m", "2 m"], count = 5 }` or a distribution: `{ uniform = [low, high] }`,
+        /// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
+        /// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
+        variation: Option<Variation>;
+    }
 }
 
 impl Scenario {

@@ -38,6 +38,11 @@ pub(super) fn path_or_list<T: JsonSchema>(generator: &mut SchemaGenerator) -> Sc
     json_schema!({ "anyOf": [{ "type": "string", "x-path": true, "x-included": true }, list] })
 }
 
+/// One, the value of factors and numbers that are left out.
+pub(super) fn one<T: From<u8>>() -> T {
+    T::from(1)
+}
+
 /// Every item of the list is above zero.
 pub(super) fn positive_items(schema: &mut Schema) {
     let list = match schema.get_mut("anyOf").and_then(|any| any.get_mut(0)) {

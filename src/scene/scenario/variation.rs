@@ -2,69 +2,55 @@
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::grammar::{self, Bound, Key, Range, Rule, TableRule};
+use super::schema;
 use super::tree::{Entry, Node, Table, Value};
 use base::diagnostic::{Diagnostic, Span, closest};
 use base::units::{Dimension, Temperature, TemperatureDifference};
 
-/// Keys that vary from run to run of `droptower sweep`, each under its path in quotes (`"impactor.mass"`): a list of values,
-/// `{ range = ["1 m", "2 m"], count = 5 }`, or a distribution: `{ uniform = [low, high] }`,
-/// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
-/// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[schemars(extend("x-varied" = true))]
-pub struct Variation {
-    /// Number of runs of a Latin hypercube, a Sobol' sequence or random points; `-n` replaces it.
-    #[schemars(range(min = 1, max = 10_000_000))]
-    pub samples: Option<u32>,
-    /// How the values of the runs are chosen; where it is left out, a grid if every key has a list or a range, else a
-    /// Sobol' sequence.
-    pub method: Option<Method>,
-    /// The same seed gives the same values.
-    #[serde(default = "first")]
-    pub seed: u64,
-    /// Correlation of keys with distributions (Gaussian copula).
-    pub correlation: Option<Correlation>,
-    /// The keys that vary, as written.
-    #[serde(flatten)]
-    #[schemars(skip)]
-    pub keys: toml::Table,
-}
+keys! {
+    /// Keys that vary from run to run of `droptower sweep`, each under its path in quotes (`"impactor.mass"`): a list of values,
+    /// `{ range = ["1 m", "2 m"], count = 5 }`, or a distribution: `{ uniform = [low, high] }`,
+    /// `{ normal = { mean = …, deviation = … } }`, `{ lognormal = { mean = …, deviation = … } }` or
+    /// `{ weibull = { scale = …, shape = … } }`, each with or without `truncate = { low = …, high = … }`.
+    #[schemars(extend("x-varied" = true))]
+    pub struct Variation {
+        /// Number of runs of a Latin hypercube, a Sobol' sequence or random points; `-n` replaces it.
+        samples: Option<u32>, from 1, to 10_000_000;
+        /// How the values of the runs are chosen; where it is left out, a grid if every key has a list or a range, else a
+        /// Sobol' sequence.
+        method: Option<Method>;
+        /// The same seed gives the same values.
+        seed: u64, default "schema::one::<u64>";
+        /// Correlation of keys with distributions (Gaussian copula).
+        correlation: Option<Correlation>;
+        /// The keys that vary, as written.
+        keys: toml::Table, flat, schemars(skip);
+    }
 
-fn first() -> u64 {
-    1
-}
+    /// How the values of the runs are chosen.
+    pub enum Method {
+        /// Every combination of the listed values; the last key varies fastest.
+        Grid,
+        /// Each key once in each of as many parts of equal probability as there are runs.
+        LatinHypercube,
+        /// A scrambled Sobol' sequence: the first runs of a larger sweep are those of a smaller one.
+        Sobol,
+        /// Independent random values; the first runs of a larger sweep are those of a smaller one.
+        Random,
+        /// A CSV file with a column for each key that varies and a row for each run: a column is called by the key, with or
+        /// without its unit behind (`impactor.mass_kg`), as in the `table.csv` of a sweep.
+        Table(#[schemars(extend("x-path" = true))] PathBuf),
+    }
 
-/// How the values of the runs are chosen.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Every combination of the listed values; the last key varies fastest.
-    Grid,
-    /// Each key once in each of as many parts of equal probability as there are runs.
-    LatinHypercube,
-    /// A scrambled Sobol' sequence: the first runs of a larger sweep are those of a smaller one.
-    Sobol,
-    /// Independent random values; the first runs of a larger sweep are those of a smaller one.
-    Random,
-    /// A CSV file with a column for each key that varies and a row for each run: a column is called by the key, with or
-    /// without its unit behind (`impactor.mass_kg`), as in the `table.csv` of a sweep.
-    Table(#[schemars(extend("x-path" = true))] PathBuf),
-}
-
-/// Correlation of keys.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Correlation {
-    /// The keys, each with a distribution.
-    #[schemars(length(min = 2))]
-    pub keys: Vec<String>,
-    /// The coefficients of correlation of the underlying normal distributions, a row for each key: symmetric, positive
-    /// definite, with ones on its diagonal.
-    #[schemars(length(min = 2), inner(length(min = 2), inner(range(min = -1, max = 1))))]
-    pub matrix: Vec<Vec<f64>>,
+    /// Correlation of keys.
+    pub struct Correlation {
+        /// The keys, each with a distribution.
+        keys: Vec<String>, least 2;
+        /// The coefficients of correlation of the underlying normal distributions, a row for each key: symmetric, positive
+        /// definite, with ones on its diagonal.
+        matrix: Vec<Vec<f64>>, least 2, schemars(inner(length(min = 2), inner(range(min = -1, max = 1))));
+    }
 }
 
 /// A key that varies, as written.
