@@ -33,143 +33,69 @@ pub enum Support {
     Refused(&'static str),
 }
 
-/// All formats, those that are read first.
-pub const FORMATS: [Format; 17] = [
-    Format {
-        name: "Table in text",
-        endings: ".csv, .txt, .tsv, .dat",
-        support: Support::Read(
-            "any separator, decimal mark and column names; UTF-8, UTF-16, GBK or Windows-1252; units in the header, in a line \
-             below it, or given",
-            None,
-        ),
-        is_own: |_| false,
-    },
-    Format {
-        name: "ISO-MME",
-        endings: ".mme with its folder, .chn, .001, …, .zip",
-        support: Support::Read("channels by code or long name, each over its own time", None),
-        is_own: |_| false,
-    },
-    Format {
-        name: "NI TDMS",
-        endings: ".tdms",
-        support: Support::Read(
-            "GROUP/CHANNEL with unit_string; time by wf_start_offset and wf_increment, or by the channel Time of the group; \
-             scales are applied, DAQmx, interleaved, big-endian and truncated files are read",
-            Some(tdms::open),
-        ),
-        is_own: tdms::is_own,
-    },
-    Format {
-        name: "Workbook of Excel",
-        endings: ".xlsx",
-        support: Support::Read(
-            "a sheet as a table: SHEET/COLUMN, or the column alone where one sheet holds a table",
-            Some(workbook::open),
-        ),
-        is_own: workbook::is_own,
-    },
-    Format {
-        name: "MATLAB",
-        endings: ".mat",
-        support: Support::Read(
-            "vectors, columns of matrices and fields of structs, STRUCT/FIELD, over the field time or t beside them; versions \
-             5 to 7.3",
-            Some(matlab::open),
-        ),
-        is_own: matlab::is_own,
-    },
-    Format {
-        name: "HDF5",
-        endings: ".h5, .hdf5",
-        support: Support::Read(
-            "data sets, columns of matrices and fields of records, GROUP/NAME, over the data set time or t beside them; units \
-             from the attribute unit or units",
-            Some(hdf5::open),
-        ),
-        is_own: hdf5::is_own,
-    },
-    Format {
-        name: "Time history of OpenRadioss",
-        endings: "T01",
-        support: Support::Read(
-            "energies of the model, GROUP/DZ of nodes, GROUP/impulse FZ of rigid bodies, in SI; of a deck of droptower's also \
-             displacement_m, velocity_m_s and acceleration_m_s2 of the impactor over the time of the test",
-            Some(t01::open),
-        ),
-        is_own: t01::is_own,
-    },
-    Format {
-        name: "Exports of tensile machines",
-        endings: ".csv, .txt, .tra, .xlsx",
-        support: Support::Read(
-            "by `droptower reduce coupon`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
-             Shimadzu; width, thickness, gauge, speed and direction from the head",
-            None,
-        ),
-        is_own: |_| false,
-    },
-    Format {
-        name: "ASAM MDF",
-        endings: ".mf4, .mdf, .dat",
-        support: Support::Refused(
-            "convert it with asammdf, in Python: asammdf.MDF(\"FILE\").to_dataframe().to_csv(\"OUT.csv\", \
-             index_label=\"time_s\")",
-        ),
-        is_own: |first| first.starts_with(b"MDF     ") || first.starts_with(b"UnFinMF "),
-    },
-    Format {
-        name: "Universal file (UFF 58)",
-        endings: ".uff, .unv",
-        support: Support::Refused(
-            "in Python: pyuff.UFF(\"FILE\").read_sets() has time as x and values as data; write them as CSV",
-        ),
-        is_own: is_universal,
-    },
-    Format {
-        name: "Excel before 2007",
-        endings: ".xls",
-        support: Support::Refused("save it as .xlsx, or each sheet as CSV"),
-        is_own: |first| first.starts_with(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
-    },
-    Format {
-        name: "Apache Parquet",
-        endings: ".parquet",
-        support: Support::Refused("in Python: pandas.read_parquet(\"FILE\").to_csv(\"OUT.csv\", index=False)"),
-        is_own: |first| first.starts_with(b"PAR1"),
-    },
-    Format {
-        name: "Apache Arrow or Feather",
-        endings: ".feather, .arrow",
-        support: Support::Refused("in Python: pandas.read_feather(\"FILE\").to_csv(\"OUT.csv\", index=False)"),
-        is_own: |first| first.starts_with(b"ARROW1") || first.starts_with(b"FEA1"),
-    },
-    Format {
-        name: "imc FAMOS",
-        endings: ".dat, .raw",
-        support: Support::Refused("export it from FAMOS as ASCII, with a column of time"),
-        is_own: |first| first.starts_with(b"|CF,"),
-    },
-    Format {
-        name: "NumPy",
-        endings: ".npy",
-        support: Support::Refused("in Python: numpy.savetxt(\"OUT.csv\", numpy.load(\"FILE\"), delimiter=\",\")"),
-        is_own: |first| first.starts_with(b"\x93NUMPY"),
-    },
-    Format {
-        name: "SQLite",
-        endings: ".db, .sqlite",
-        support: Support::Refused("export the table: sqlite3 -header -csv FILE \"select * from TABLE\" > OUT.csv"),
-        is_own: |first| first.starts_with(b"SQLite format 3\0"),
-    },
-    Format {
-        name: "gzip",
-        endings: ".gz",
-        support: Support::Refused("unpack it: gunzip FILE"),
-        is_own: |first| first.starts_with(b"\x1f\x8b"),
-    },
-];
+/// Writes the formats, a row each: name and endings; then `read by` what lists the channels of a file and knows its first bytes, and what
+/// becomes of its parts, or `refused`, the conversion that helps and by which first bytes the format is known.
+macro_rules! formats {
+    ($($name:literal $endings:literal $how:ident $(by $module:ident)? $text:literal $(if $is_own:expr)?;)+) => {
+        /// All formats, those that are read first.
+        pub const FORMATS: &[Format] = &[$(Format {
+            name: $name,
+            endings: $endings,
+            support: formats!(@$how $text $(, $module)?),
+            is_own: formats!(@own $(by $module)? $($is_own)?),
+        }),+];
+    };
+    (@read $text:literal) => { Support::Read($text, None) };
+    (@read $text:literal, $module:ident) => { Support::Read($text, Some($module::open)) };
+    (@refused $text:literal) => { Support::Refused($text) };
+    (@own) => { |_| false };
+    (@own by $module:ident) => { $module::is_own };
+    (@own $is_own:expr) => { $is_own };
+}
+
+formats! {
+    "Table in text" ".csv, .txt, .tsv, .dat" read
+        "any separator, decimal mark and column names; UTF-8, UTF-16, GBK or Windows-1252; units in the header, in a line \
+            below it, or given";
+    "ISO-MME" ".mme with its folder, .chn, .001, …, .zip" read "channels by code or long name, each over its own time";
+    "NI TDMS" ".tdms" read by tdms
+        "GROUP/CHANNEL with unit_string; time by wf_start_offset and wf_increment, or by the channel Time of the group; \
+            scales are applied, DAQmx, interleaved, big-endian and truncated files are read";
+    "Workbook of Excel" ".xlsx" read by workbook "a sheet as a table: SHEET/COLUMN, or the column alone where one sheet holds a table";
+    "MATLAB" ".mat" read by matlab
+        "vectors, columns of matrices and fields of structs, STRUCT/FIELD, over the field time or t beside them; versions \
+            5 to 7.3";
+    "HDF5" ".h5, .hdf5" read by hdf5
+        "data sets, columns of matrices and fields of records, GROUP/NAME, over the data set time or t beside them; units \
+            from the attribute unit or units";
+    "Time history of OpenRadioss" "T01" read by t01
+        "energies of the model, GROUP/DZ of nodes, GROUP/impulse FZ of rigid bodies, in SI; of a deck of droptower's also \
+            displacement_m, velocity_m_s and acceleration_m_s2 of the impactor over the time of the test";
+    "Exports of tensile machines" ".csv, .txt, .tra, .xlsx" read
+        "by `droptower reduce coupon`: specimens side by side, below each other or one a sheet, of Zwick, Instron, MTS and \
+            Shimadzu; width, thickness, gauge, speed and direction from the head";
+    "ASAM MDF" ".mf4, .mdf, .dat" refused
+        "convert it with asammdf, in Python: asammdf.MDF(\"FILE\").to_dataframe().to_csv(\"OUT.csv\", \
+            index_label=\"time_s\")"
+        if |first| first.starts_with(b"MDF     ") || first.starts_with(b"UnFinMF ");
+    "Universal file (UFF 58)" ".uff, .unv" refused
+        "in Python: pyuff.UFF(\"FILE\").read_sets() has time as x and values as data; write them as CSV"
+        if is_universal;
+    "Excel before 2007" ".xls" refused
+        "save it as .xlsx, or each sheet as CSV" if |first| first.starts_with(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1");
+    "Apache Parquet" ".parquet" refused
+        "in Python: pandas.read_parquet(\"FILE\").to_csv(\"OUT.csv\", index=False)" if |first| first.starts_with(b"PAR1");
+    "Apache Arrow or Feather" ".feather, .arrow" refused
+        "in Python: pandas.read_feather(\"FILE\").to_csv(\"OUT.csv\", index=False)"
+        if |first| first.starts_with(b"ARROW1") || first.starts_with(b"FEA1");
+    "imc FAMOS" ".dat, .raw" refused "export it from FAMOS as ASCII, with a column of time" if |first| first.starts_with(b"|CF,");
+    "NumPy" ".npy" refused
+        "in Python: numpy.savetxt(\"OUT.csv\", numpy.load(\"FILE\"), delimiter=\",\")" if |first| first.starts_with(b"\x93NUMPY");
+    "SQLite" ".db, .sqlite" refused
+        "export the table: sqlite3 -header -csv FILE \"select * from TABLE\" > OUT.csv"
+        if |first| first.starts_with(b"SQLite format 3\0");
+    "gzip" ".gz" refused "unpack it: gunzip FILE" if |first| first.starts_with(b"\x1f\x8b");
+}
 
 impl Format {
     /// The one whose first bytes these are.
