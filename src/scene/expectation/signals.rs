@@ -1,8 +1,7 @@
 //! Signals against the recorded ones.
 
-use std::fmt;
-
 use serde::Serialize;
+use thiserror::Error;
 
 use super::{ALL, Expectations, SignalBounds, allowed};
 use base::diagnostic::closest;
@@ -173,20 +172,23 @@ fn outside(name: &str, bounds: &SignalBounds, corridor: &[Series; 2], found: &Se
 const DIGITS: usize = 6;
 
 /// One way in which a run is not what is expected.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Error, Serialize)]
 #[serde(tag = "code", rename_all = "kebab-case")]
 pub enum Difference {
     /// The run came to no end.
+    #[error("the run failed: {cause}")]
     RunFailed {
         /// Why.
         cause: String,
     },
     /// A signal is not recorded.
+    #[error("{}", not_recorded(signal))]
     NotRecorded {
         /// Its name; `*` where none is.
         signal: String,
     },
     /// The run has no such signal.
+    #[error("the run has no signal {signal}{}", meant(like))]
     NoSignal {
         /// Its name.
         signal: String,
@@ -194,6 +196,7 @@ pub enum Difference {
         like: Option<String>,
     },
     /// The bounds of a signal hold where it has no samples.
+    #[error("{signal} has no sample between {} s and {} s, where its bounds hold", number(window[0]), number(window[1]))]
     NothingWithin {
         /// Its name.
         signal: String,
@@ -201,6 +204,10 @@ pub enum Difference {
         window: [f64; 2],
     },
     /// A signal ends before its recorded one or its corridor, or starts after it.
+    #[error(
+        "{signal} covers {} s to {} s, expected {} s to {} s",
+        number(found[0]), number(found[1]), number(expected[0]), number(expected[1])
+    )]
     TimeRange {
         /// Its name.
         signal: String,
@@ -210,6 +217,10 @@ pub enum Difference {
         found: [f64; 2],
     },
     /// A signal is too far from the recorded one.
+    #[error(
+        "{signal} is {} at {} s, recorded is {}; a distance of {} is allowed",
+        or_gap(*found), number(*time_s), or_gap(*expected), number(*allowed)
+    )]
     SignalDiffers {
         /// Its name.
         signal: String,
@@ -223,6 +234,10 @@ pub enum Difference {
         allowed: f64,
     },
     /// A signal leaves its corridor.
+    #[error(
+        "{signal} is {} at {} s, expected {} to {}",
+        or_gap(*found), number(*time_s), number(between[0]), number(between[1])
+    )]
     OutsideCorridor {
         /// Its name.
         signal: String,
@@ -234,6 +249,7 @@ pub enum Difference {
         between: [f64; 2],
     },
     /// A signal is rated too low.
+    #[error("{signal} {}", rated(*found, *least, cause))]
     RatedLow {
         /// Its name.
         signal: String,
@@ -245,6 +261,7 @@ pub enum Difference {
         cause: Option<String>,
     },
     /// The run has no such figure.
+    #[error("the run has no figure {figure}{}", meant(like))]
     NoFigure {
         /// Its name.
         figure: String,
@@ -252,11 +269,13 @@ pub enum Difference {
         like: Option<String>,
     },
     /// A figure is recorded nowhere.
+    #[error("{figure} is not recorded; --bless records it")]
     FigureNotRecorded {
         /// Its name.
         figure: String,
     },
     /// A figure is not what is expected.
+    #[error("{figure} is {}, expected {expected}", found.as_f64().map_or_else(|| found.to_string(), number))]
     FigureDiffers {
         /// Its name.
         figure: String,
@@ -266,11 +285,13 @@ pub enum Difference {
         expected: String,
     },
     /// A finding did not come.
+    #[error("the finding {finding} did not come")]
     NoFinding {
         /// Its code.
         finding: String,
     },
     /// A finding came.
+    #[error("unexpected finding {finding}: {message}")]
     UnexpectedFinding {
         /// Its code.
         finding: String,
@@ -307,48 +328,17 @@ fn meant(like: &Option<String>) -> String {
     like.as_ref().map(|name| format!("; did you mean {name}?")).unwrap_or_default()
 }
 
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Difference::RunFailed { cause } => write!(f, "the run failed: {cause}"),
-            Difference::NotRecorded { signal } if signal == "*" => {
-                write!(f, "no signals are recorded; --bless records those of this run")
-            }
-            Difference::NotRecorded { signal } => write!(f, "{signal} is not recorded; --bless records it"),
-            Difference::NoSignal { signal, like } => write!(f, "the run has no signal {signal}{}", meant(like)),
-            Difference::NothingWithin { signal, window } => {
-                let [from, to] = window.map(number);
-                write!(f, "{signal} has no sample between {from} s and {to} s, where its bounds hold")
-            }
-            Difference::TimeRange { signal, expected, found } => {
-                let [e0, e1, f0, f1] = [expected[0], expected[1], found[0], found[1]].map(number);
-                write!(f, "{signal} covers {f0} s to {f1} s, expected {e0} s to {e1} s")
-            }
-            Difference::SignalDiffers { signal, time_s, expected, found, allowed } => {
-                let (expected, found) = (or_gap(*expected), or_gap(*found));
-                let (time, allowed) = (number(*time_s), number(*allowed));
-                write!(f, "{signal} is {found} at {time} s, recorded is {expected}; a distance of {allowed} is allowed")
-            }
-            Difference::OutsideCorridor { signal, time_s, found, between: [low, high] } => {
-                let (found, time) = (or_gap(*found), number(*time_s));
-                let (low, high) = (number(*low), number(*high));
-                write!(f, "{signal} is {found} at {time} s, expected {low} to {high}")
-            }
-            Difference::RatedLow { signal, found: Some(found), least, .. } => {
-                write!(f, "{signal} is rated {}, expected at least {least}", significant(*found, 3))
-            }
-            Difference::RatedLow { signal, cause, .. } => {
-                write!(f, "{signal} cannot be rated: {}", cause.as_deref().unwrap_or("unknown"))
-            }
-            Difference::NoFigure { figure, like } => write!(f, "the run has no figure {figure}{}", meant(like)),
-            Difference::FigureNotRecorded { figure } => write!(f, "{figure} is not recorded; --bless records it"),
-            Difference::FigureDiffers { figure, found, expected } => {
-                let found = found.as_f64().map_or_else(|| found.to_string(), number);
-                write!(f, "{figure} is {found}, expected {expected}")
-            }
-            Difference::NoFinding { finding } => write!(f, "the finding {finding} did not come"),
-            Difference::UnexpectedFinding { finding, message } => write!(f, "unexpected finding {finding}: {message}"),
-        }
+fn not_recorded(signal: &str) -> String {
+    match signal {
+        ALL => "no signals are recorded; --bless records those of this run".to_owned(),
+        _ => format!("{signal} is not recorded; --bless records it"),
+    }
+}
+
+fn rated(found: Option<f64>, least: f64, cause: &Option<String>) -> String {
+    match found {
+        Some(found) => format!("is rated {}, expected at least {least}", significant(found, 3)),
+        None => format!("cannot be rated: {}", cause.as_deref().unwrap_or("unknown")),
     }
 }
 
