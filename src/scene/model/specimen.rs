@@ -131,6 +131,22 @@ struct Film {
 }
 
 impl Film {
+    /// The face of a layer of this film.
+    fn face(&self, scenario: &Scenario, layer: &Layer, meshing: Meshing) -> Face {
+        Face {
+            height: layer.height.0,
+            layers: layer.count,
+            film: self.name.clone(),
+            material: self.of_layers(layer.count),
+            break_is_moved: self.break_is_moved,
+            unsourced_coupling: self.unsourced_coupling,
+            md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
+            prestrain: self.prestrain([layer.prestrain.md, layer.prestrain.td]),
+            meshing,
+            settle: layer.settle,
+        }
+    }
+
     /// The material of `count` layers.
     fn of_layers(&self, count: u32) -> Material {
         let mut material = self.material.clone();
@@ -205,20 +221,15 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut Model
     let meshing = meshing(scenario, None, "specimen.mesh.size", mistakes);
     let (film, meshing) = (film??, meshing?);
     let fallback = Layers::default();
-    let layers = scenario.layers.as_ref().unwrap_or(&fallback);
-    let face = |height: f64| Face {
-        height,
-        layers: layers.count,
-        film: film.name.clone(),
-        material: film.of_layers(layers.count),
-        break_is_moved: film.break_is_moved,
-        unsourced_coupling: film.unsourced_coupling,
-        md_angle: scenario.specimen.md_angle.0,
-        prestrain: film.prestrain([layers.prestrain.md, layers.prestrain.td]),
-        meshing: meshing.clone(),
-        settle: layers.settle,
+    let Layers { count, faces, prestrain, settle } = scenario.layers.as_ref().unwrap_or(&fallback);
+    let layer = |height: &Length| Layer {
+        height: *height,
+        count: *count,
+        prestrain: *prestrain,
+        settle: *settle,
+        ..Layer::default()
     };
-    Some(layers.faces.iter().map(|height| face(height.0)).collect())
+    Some(faces.iter().map(|height| film.face(scenario, &layer(height), meshing.clone())).collect())
 }
 
 /// The face of one `[[layer]]`.
@@ -239,19 +250,7 @@ fn single(
         }
     };
     let meshing = meshing(scenario, Some(layer), &path("mesh.size"), mistakes);
-    let film = film?;
-    Some(Face {
-        height: layer.height.0,
-        layers: layer.count,
-        film: film.name.clone(),
-        material: film.of_layers(layer.count),
-        break_is_moved: film.break_is_moved,
-        unsourced_coupling: film.unsourced_coupling,
-        md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
-        prestrain: film.prestrain([layer.prestrain.md, layer.prestrain.td]),
-        meshing: meshing?,
-        settle: layer.settle,
-    })
+    Some(film?.face(scenario, layer, meshing?))
 }
 
 /// The meshing of a face: its own keys, then those of the specimen.
