@@ -9,6 +9,7 @@ use roxmltree::{Document, Node};
 
 use crate::mesh::{Mesh, MeshError, fault};
 use base::file;
+use lab::signal::catalogue::Binary;
 
 /// Longest file that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
@@ -61,9 +62,9 @@ fn append(mesh: &mut Mesh, piece: Node, layout: Layout) -> Result<(), MeshError>
     mesh.nodes.extend(points.chunks_exact(3).map(point));
 
     let cells = child(piece, "Cells")?;
-    let connectivity = layout.numbers(array(cells, "connectivity")?)?;
-    let offsets = layout.numbers(array(cells, "offsets")?)?;
-    let kinds = layout.numbers(array(cells, "types")?)?;
+    let connectivity = layout.numbers(child(cells, "connectivity")?)?;
+    let offsets = layout.numbers(child(cells, "offsets")?)?;
+    let kinds = layout.numbers(child(cells, "types")?)?;
     let nodes = connectivity.into_iter().map(|value| node_number(value, first)).collect::<Result<Vec<u32>, _>>()?;
     let corners_of = |cell: usize| fault!("the corners of cell {cell} do not match its type or the connectivity");
     let mut start = 0;
@@ -95,15 +96,10 @@ fn node_number(value: f64, first: usize) -> Result<u32, MeshError> {
     }
 }
 
-fn child<'a, 'b>(parent: Node<'a, 'b>, element: &'static str) -> Result<Node<'a, 'b>, MeshError> {
+/// The child that is an element of this name, or an array called so.
+fn child<'a, 'b>(parent: Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 'b>, MeshError> {
     let mut children = parent.children();
-    let found = children.find(|node| node.has_tag_name(element));
-    found.ok_or_else(|| fault!("`{element}` is missing"))
-}
-
-fn array<'a, 'b>(cells: Node<'a, 'b>, name: &'static str) -> Result<Node<'a, 'b>, MeshError> {
-    let mut children = cells.children();
-    let found = children.find(|node| node.attribute("Name") == Some(name));
+    let found = children.find(|node| node.has_tag_name(name) || node.attribute("Name") == Some(name));
     found.ok_or_else(|| fault!("`{name}` is missing"))
 }
 
@@ -129,22 +125,12 @@ impl Layout {
     }
 
     fn binary(self, text: &str, kind: &str) -> Result<Vec<f64>, MeshError> {
-        let decode = decoder(kind).ok_or_else(|| fault!("array type `{kind}` is not supported"))?;
+        let (meant, width) = number_format(kind).ok_or_else(|| fault!("array type `{kind}` is not supported"))?;
         let bytes = BASE64_STANDARD.decode(text.trim())?;
-        let values = bytes.get(self.header..).unwrap_or_default();
-        let width = width(kind);
-        if !values.len().is_multiple_of(width) {
-            return Err(fault!("an array of `{kind}` ends within a number"));
-        }
-        let little = |value: &[u8]| {
-            let mut bytes = [0; 8];
-            bytes[..width].copy_from_slice(value);
-            if self.big_endian {
-                bytes[..width].reverse();
-            }
-            decode(bytes)
-        };
-        Ok(values.chunks_exact(width).map(little).collect())
+        let values = bytes.get(self.header..).unwrap_or_default().chunks_exact(width);
+        let is_whole = values.remainder().is_empty();
+        let numbers = is_whole.then(|| values.map(|value| meant.number(value, self.big_endian)).collect()).flatten();
+        numbers.ok_or_else(|| fault!("an array of `{kind}` ends within a number"))
     }
 }
 
@@ -153,26 +139,14 @@ fn ascii(text: &str) -> Result<Vec<f64>, MeshError> {
     text.split_ascii_whitespace().map(number).collect()
 }
 
-/// Bytes of one number of the VTK type `kind`, from the bits in its name.
-fn width(kind: &str) -> usize {
-    match kind.trim_start_matches(|c: char| !c.is_ascii_digit()) {
-        "8" => 1,
-        "16" => 2,
-        "32" => 4,
-        _ => 8,
+/// How the numbers of the VTK type `kind` are meant, and their bytes, from the bits in its name.
+fn number_format(kind: &str) -> Option<(Binary, usize)> {
+    let (name, bits) = kind.split_at(kind.find(|c: char| c.is_ascii_digit())?);
+    let place = ["8", "16", "32", "64"].iter().position(|known| *known == bits)?;
+    match name {
+        "Float" if place > 1 => Some((Binary::Float, 1 << place)),
+        "UInt" => Some((Binary::Unsigned, 1 << place)),
+        "Int" => Some((Binary::Signed, 1 << place)),
+        _ => None,
     }
-}
-
-/// Reads a number of the VTK type `kind` from its little-endian bytes, padded with zeros.
-fn decoder(kind: &str) -> Option<fn([u8; 8]) -> f64> {
-    Some(match kind {
-        "Float64" => f64::from_le_bytes,
-        "Float32" => |b| f64::from(f32::from_bits(u64::from_le_bytes(b) as u32)),
-        "UInt8" | "UInt16" | "UInt32" | "UInt64" => |b| u64::from_le_bytes(b) as f64,
-        "Int8" => |b| f64::from(b[0] as i8),
-        "Int16" => |b| f64::from(u64::from_le_bytes(b) as i16),
-        "Int32" => |b| f64::from(u64::from_le_bytes(b) as i32),
-        "Int64" => |b| i64::from_le_bytes(b) as f64,
-        _ => return None,
-    })
 }
