@@ -185,23 +185,29 @@ pub fn expectations() -> &'static Rule {
 }
 
 impl Rule {
+    /// The forms of a value: those of which any one is allowed, or the one.
+    fn forms(&self) -> &[Rule] {
+        match self {
+            Rule::Either(rules) => rules,
+            other => std::slice::from_ref(other),
+        }
+    }
+
     /// The table among the allowed values.
     pub fn table(&self) -> Option<&TableRule> {
-        match self {
+        self.forms().iter().find_map(|rule| match rule {
             Rule::Table(table) => Some(table),
-            Rule::Either(rules) => rules.iter().find_map(Rule::table),
             _ => None,
-        }
+        })
     }
 
     /// The rule of the item at `place` of the list among the allowed values.
     pub fn item(&self, place: usize) -> Option<&Rule> {
-        match self {
-            Rule::List { item, .. } => Some(item),
+        self.forms().iter().find_map(|rule| match rule {
+            Rule::List { item, .. } => Some(&**item),
             Rule::Tuple(items) => items.get(place),
-            Rule::Either(rules) => rules.iter().find_map(|rule| rule.item(place)),
             _ => None,
-        }
+        })
     }
 
     /// The rule of the value of a key: of a table, or, where the key is a number, of a list.
@@ -217,20 +223,12 @@ impl Rule {
 
     /// Whether the path of a file is allowed.
     pub fn is_path(&self) -> bool {
-        match self {
-            Rule::Text { path, .. } => *path,
-            Rule::Either(rules) => rules.iter().any(Rule::is_path),
-            _ => false,
-        }
+        self.forms().iter().any(|rule| matches!(rule, Rule::Text { path: true, .. }))
     }
 
     /// Whether a path is replaced by the content of its file.
     pub fn is_included(&self) -> bool {
-        match self {
-            Rule::Text { included, .. } => *included,
-            Rule::Either(rules) => rules.iter().any(Rule::is_included),
-            _ => false,
-        }
+        self.forms().iter().any(|rule| matches!(rule, Rule::Text { included: true, .. }))
     }
 
     /// The dimension of the quantity among the allowed values.
@@ -269,11 +267,7 @@ impl Rule {
 
     /// The quantity or the number among the allowed values.
     pub fn number(&self) -> Option<&Rule> {
-        match self {
-            Rule::Quantity(..) | Rule::Number { .. } => Some(self),
-            Rule::Either(rules) => rules.iter().find_map(Rule::number),
-            _ => None,
-        }
+        self.forms().iter().find(|rule| matches!(rule, Rule::Quantity(..) | Rule::Number { .. }))
     }
 
     /// Whether a number without unit is allowed beside a quantity, as for a limit of strain or of stress.
@@ -422,7 +416,7 @@ pub fn compile(schema: &Json) -> Rule {
         return Rule::Any;
     }
     if let Some(branches) = list_of(schema, "anyOf") {
-        return Rule::Either(branches.iter().map(compile).collect());
+        return Rule::Either(branches.iter().map(compile).flat_map(|rule| rule.forms().to_vec()).collect());
     }
     if let Some(name) = schema["x-quantity"].as_str()
         && let Some(dimension) = Dimension::named(name)
