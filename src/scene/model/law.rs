@@ -21,7 +21,7 @@ pub(super) fn check_hyperelastic(
     mistakes: &mut ModelDiagnostics<'_>,
 ) -> Option<Law> {
     // Variants in the order of the table.
-    let (law, own) = ENERGIES[written.law as usize];
+    let (_, law, own) = ENERGIES[written.law as usize];
     let has = format!("`{law}` has {}", own.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "));
     for key in COEFFICIENTS {
         let place = format!("{path}.{key}");
@@ -368,7 +368,7 @@ mod tests {
         .into_iter()
         .enumerate()
         {
-            assert_eq!((law as usize, serde_json::to_value(law).unwrap()), (row, ENERGIES[row].0.into()));
+            assert_eq!((law as usize, serde_json::to_value(law).unwrap()), (row, ENERGIES[row].1.into()));
         }
     }
 }

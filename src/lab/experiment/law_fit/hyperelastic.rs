@@ -21,14 +21,14 @@ use membrane::material::{
     CompressibleNeoHookean, Gent, Hyperelastic, HyperelasticLaw, Law, Ogden, OgdenTerm, Polynomial, Tension,
 };
 
-/// Energies by their names in a material file, with the keys of their coefficients there.
-pub const ENERGIES: [(&str, &[&str]); 6] = [
-    ("neo-hookean", &["mu"]),
-    ("compressible-neo-hookean", &["young", "poisson"]),
-    ("mooney-rivlin", &["c10", "c01"]),
-    ("yeoh", &["c10", "c20", "c30"]),
-    ("gent", &["mu", "jm"]),
-    ("ogden", &["mu", "alpha"]),
+/// Energies with their names in a material file, and the keys of their coefficients there; `ogden` alone has three terms.
+pub const ENERGIES: [(Energy, &str, &[&str]); 6] = [
+    (Energy::NeoHookean, "neo-hookean", &["mu"]),
+    (Energy::CompressibleNeoHookean, "compressible-neo-hookean", &["young", "poisson"]),
+    (Energy::MooneyRivlin, "mooney-rivlin", &["c10", "c01"]),
+    (Energy::Yeoh, "yeoh", &["c10", "c20", "c30"]),
+    (Energy::Gent, "gent", &["mu", "jm"]),
+    (Energy::Ogden { terms: 3 }, "ogden", &["mu", "alpha"]),
 ];
 
 /// An energy of rubber-like film.
@@ -52,39 +52,24 @@ pub enum Energy {
 }
 
 impl Energy {
-    const ALL: [Energy; 6] = [
-        Energy::NeoHookean,
-        Energy::CompressibleNeoHookean,
-        Energy::MooneyRivlin,
-        Energy::Yeoh,
-        Energy::Gent,
-        Energy::Ogden { terms: 3 },
-    ];
-
     /// The words of all energies.
     pub const WORDS: &'static str =
         "neo-hookean, compressible-neo-hookean, mooney-rivlin, yeoh, gent or ogden:N with 1 to 6 terms";
 
     /// Its row among the [`ENERGIES`].
-    fn row(self) -> (&'static str, &'static [&'static str]) {
-        ENERGIES[match self {
-            Energy::NeoHookean => 0,
-            Energy::CompressibleNeoHookean => 1,
-            Energy::MooneyRivlin => 2,
-            Energy::Yeoh => 3,
-            Energy::Gent => 4,
-            Energy::Ogden { .. } => 5,
-        }]
+    fn row(self) -> &'static (Energy, &'static str, &'static [&'static str]) {
+        let is_own = |row: &&(Energy, _, _)| std::mem::discriminant(&row.0) == std::mem::discriminant(&self);
+        ENERGIES.iter().find(is_own).expect("a row of each energy")
     }
 
     /// Its name in a material file.
     pub fn law(self) -> &'static str {
-        self.row().0
+        self.row().1
     }
 
     /// Names of the coefficients; those of Ogden's law up to `most`, a modulus and an exponent a term.
     pub fn names(self, most: usize) -> Vec<String> {
-        let keys = self.row().1.iter();
+        let keys = self.row().2.iter();
         match self {
             Energy::Ogden { terms } => {
                 let of_term = |term: usize| keys.clone().map(move |key| format!("{key}_{term}"));
@@ -100,13 +85,12 @@ impl Energy {
     }
 }
 
-/// `ogden` alone has three terms.
 impl FromStr for Energy {
     type Err = Error;
 
     fn from_str(word: &str) -> Result<Energy, Error> {
         let unknown = || refusal!("`{word}` is not a law that can be fitted: expected {}", Energy::WORDS);
-        if let Some(energy) = Energy::ALL.into_iter().find(|energy| energy.law() == word) {
+        if let Some((energy, ..)) = ENERGIES.into_iter().find(|(_, law, _)| *law == word) {
             return Ok(energy);
         }
         let terms = word.strip_prefix("ogden:").and_then(|terms| terms.parse().ok()).ok_or_else(unknown)?;
