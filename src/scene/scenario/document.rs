@@ -366,7 +366,7 @@ impl Reader {
             _ => (None, vec![]),
         };
         // Before the merge, in which a file that is named replaces a table and a table of keys adds to it.
-        let over = self.include_within(node, rule);
+        let over = node.map(rule, |child, rule| self.include(plain(child, rule), rule));
         let Some((path, span)) = extends else {
             self.mistakes.extend(unset.iter().map(Unset::without_base));
             return Some(over);
@@ -409,28 +409,6 @@ impl Reader {
             self.report(mistake.hint("`droptower new material` writes a file of a material"), Some(named));
         }
         !is_scenario
-    }
-
-    fn include_within(&mut self, node: Node, rule: Option<&Rule>) -> Node {
-        let value = match node.value {
-            Value::Table(mut table) => {
-                for entry in &mut table.entries {
-                    let rule = rule.and_then(|rule| rule.under(&entry.key));
-                    entry.node = self.include(plain(entry.node.clone(), rule), rule);
-                }
-                Value::Table(table)
-            }
-            Value::List(items) => {
-                let items = items.into_iter().enumerate();
-                let items = items.map(|(place, item)| {
-                    let rule = rule.and_then(|rule| rule.item(place));
-                    self.include(plain(item, rule), rule)
-                });
-                Value::List(items.collect())
-            }
-            other => other,
-        };
-        Node { value, ..node }
     }
 
     fn curve(&mut self, path: &Path, named: &Span) -> Option<Node> {

@@ -18,7 +18,7 @@ pub fn text(root: &Node, rule: &Rule) -> String {
 
 /// The tree as TOML like [`text`], with other paths at some key paths.
 pub fn text_with(root: &Node, rule: &Rule, paths: &[(&str, &str)]) -> String {
-    let mut root = anchored(root, Some(rule));
+    let mut root = anchored(root.clone(), Some(rule), &mut BTreeSet::new());
     for (place, path) in paths {
         if let Some(node) = root.find_mut(place) {
             node.value = Value::Text((*path).to_owned());
@@ -161,25 +161,8 @@ fn assumed(path: &str, table: &dyn TableLike, found: &mut Vec<Assumption>) {
 /// The absolute paths that the tree holds, each once.
 pub fn paths(root: &Node, rule: &Rule) -> Vec<PathBuf> {
     let mut found = BTreeSet::new();
-    gather_paths(root, Some(rule), &mut found);
+    anchored(root.clone(), Some(rule), &mut found);
     found.into_iter().collect()
-}
-
-fn gather_paths(node: &Node, rule: Option<&Rule>, found: &mut BTreeSet<PathBuf>) {
-    match &node.value {
-        Value::Text(text) if rule.is_some_and(Rule::is_path) => drop(found.insert(absolute(node, text))),
-        Value::List(items) => {
-            for (place, item) in items.iter().enumerate() {
-                gather_paths(item, rule.and_then(|rule| rule.item(place)), found);
-            }
-        }
-        Value::Table(table) => {
-            for entry in &table.entries {
-                gather_paths(&entry.node, rule.and_then(|rule| rule.under(&entry.key)), found);
-            }
-        }
-        _ => {}
-    }
 }
 
 /// The path that a node holds, from the folder of the file in which it is written.
@@ -188,25 +171,17 @@ fn absolute(node: &Node, text: &str) -> PathBuf {
     tidy_path(&std::path::absolute(&path).unwrap_or(path))
 }
 
-fn anchored(node: &Node, rule: Option<&Rule>) -> Node {
-    let value = match &node.value {
-        Value::Text(text) if rule.is_some_and(Rule::is_path) => Value::Text(absolute(node, text).display().to_string()),
-        Value::List(items) => {
-            let items = items.iter().enumerate();
-            let items = items.map(|(place, item)| anchored(item, rule.and_then(|r| r.item(place))));
-            Value::List(items.collect())
+/// The node with its paths absolute, which are added to those that are `found`.
+fn anchored(node: Node, rule: Option<&Rule>, found: &mut BTreeSet<PathBuf>) -> Node {
+    match &node.value {
+        Value::Text(text) if rule.is_some_and(Rule::is_path) => {
+            let path = absolute(&node, text);
+            let value = Value::Text(path.display().to_string());
+            found.insert(path);
+            Node { value, ..node }
         }
-        Value::Table(table) => {
-            let mut table = table.clone();
-            for entry in &mut table.entries {
-                let rule = rule.and_then(|rule| rule.under(&entry.key));
-                entry.node = anchored(&entry.node, rule);
-            }
-            Value::Table(table)
-        }
-        other => other.clone(),
-    };
-    Node { value, ..node.clone() }
+        _ => node.map(rule, |child, rule| anchored(child, rule, found)),
+    }
 }
 
 #[cfg(test)]

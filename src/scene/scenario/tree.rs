@@ -189,6 +189,26 @@ impl Node {
         Some(node)
     }
 
+    /// The node with each value of its keys or places as `change` leaves it, which is told its rule.
+    pub fn map(self, rule: Option<&Rule>, mut change: impl FnMut(Node, Option<&Rule>) -> Node) -> Node {
+        let value = match self.value {
+            Value::Table(table) => {
+                let entries = table.entries.into_iter().map(|entry| {
+                    let rule = rule.and_then(|rule| rule.under(&entry.key));
+                    Entry { node: change(entry.node, rule), ..entry }
+                });
+                Value::Table(Table { entries: entries.collect() })
+            }
+            Value::List(items) => {
+                let items = items.into_iter().enumerate();
+                let items = items.map(|(place, item)| change(item, rule.and_then(|rule| rule.item(place))));
+                Value::List(items.collect())
+            }
+            other => other,
+        };
+        Node { value, ..self }
+    }
+
     /// The value of a key or the item at a place, and where the key or the item stands.
     pub fn step(&self, step: &str) -> Option<(&Node, &Span)> {
         match &self.value {
