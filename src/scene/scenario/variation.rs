@@ -6,7 +6,7 @@ use super::grammar::{self, Bound, Key, Range, Rule, TableRule};
 use super::schema;
 use super::tree::{Entry, Node, Table, Value};
 use base::diagnostic::{Diagnostic, Span, closest};
-use base::units::{Dimension, Temperature, TemperatureDifference};
+use base::units::{Temperature, TemperatureDifference};
 
 keys! {
     /// Keys that vary from run to run of `droptower sweep`, each under its path in quotes (`"impactor.mass"`): a list of values,
@@ -135,12 +135,20 @@ impl VariedKey {
     }
 }
 
+/// Numbers above zero, such as deviations.
+const POSITIVE: Range = Range { from: Some(Bound { value: 0.0, included: false }), to: None, likely: None };
+
 /// The table of a range or a distribution of such a number.
 fn choice(number: &Rule) -> TableRule {
     let pair = || Rule::Tuple(vec![number.clone(), number.clone()]);
-    let (positive, unlimited) = (positive(number), without_range(number));
+    let positive = match number.dimension() {
+        Some(Temperature::DIMENSION) => Rule::Quantity(TemperatureDifference::DIMENSION, POSITIVE),
+        _ => within(number, POSITIVE),
+    };
+    // A limit of a distribution may lie outside of what the key allows.
+    let unlimited = within(number, Range::default());
     let moments = [("mean", number), ("deviation", &positive)];
-    let shape = Rule::Number { whole: false, range: above_zero(Range::default()) };
+    let shape = Rule::Number { whole: false, range: POSITIVE };
     let count = Rule::Number {
         whole: true,
         range: Range {
@@ -149,18 +157,14 @@ fn choice(number: &Rule) -> TableRule {
             likely: None,
         },
     };
-    let limits = TableRule {
-        keys: vec![key("low", unlimited.clone(), false), key("high", unlimited, false)],
-        ..TableRule::default()
-    };
     let mut keys = vec![
         key("range", pair(), false),
         key("count", count, false),
         key("uniform", pair(), false),
-        key("normal", table(&moments), false),
-        key("lognormal", table(&moments), false),
-        key("weibull", table(&[("scale", &positive), ("shape", &shape)]), false),
-        key("truncate", Rule::Table(limits), false),
+        key("normal", table(&moments, true), false),
+        key("lognormal", table(&moments, true), false),
+        key("weibull", table(&[("scale", &positive), ("shape", &shape)], true), false),
+        key("truncate", table(&[("low", &unlimited), ("high", &unlimited)], false), false),
     ];
     if matches!(number, Rule::Number { whole: true, .. }) {
         // A whole number has no density.
@@ -176,32 +180,15 @@ fn key(name: &str, rule: Rule, required: bool) -> Key {
     Key { name: name.into(), title: None, sentence: None, default: None, required, rule }
 }
 
-fn table(keys: &[(&str, &Rule)]) -> Rule {
-    let keys = keys.iter().map(|(name, rule)| key(name, (*rule).clone(), true));
+fn table(keys: &[(&str, &Rule)], required: bool) -> Rule {
+    let keys = keys.iter().map(|(name, rule)| key(name, (*rule).clone(), required));
     Rule::Table(TableRule { keys: keys.collect(), ..TableRule::default() })
 }
 
-fn above_zero(range: Range) -> Range {
-    Range { from: Some(Bound { value: 0.0, included: false }), to: None, likely: range.likely }
-}
-
-/// A rule for a number above zero in the unit of `number`, such as a deviation.
-fn positive(number: &Rule) -> Rule {
+/// A rule for numbers of this range in the unit of `number`, which need not be whole.
+fn within(number: &Rule, range: Range) -> Rule {
     match number {
-        Rule::Quantity(dimension, _) => Rule::Quantity(difference(*dimension), above_zero(Range::default())),
-        _ => Rule::Number { whole: false, range: above_zero(Range::default()) },
+        Rule::Quantity(dimension, _) => Rule::Quantity(*dimension, range),
+        _ => Rule::Number { whole: false, range },
     }
-}
-
-/// A rule for any number in the unit of `number`: a limit of a distribution may lie outside of what the key allows.
-fn without_range(number: &Rule) -> Rule {
-    match number {
-        Rule::Quantity(dimension, _) => Rule::Quantity(*dimension, Range::default()),
-        _ => Rule::Number { whole: false, range: Range::default() },
-    }
-}
-
-/// The dimension of the difference of two such quantities.
-fn difference(dimension: Dimension) -> Dimension {
-    if dimension == Temperature::DIMENSION { TemperatureDifference::DIMENSION } else { dimension }
 }
