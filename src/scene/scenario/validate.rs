@@ -15,22 +15,21 @@ const FULL_TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 /// The mistakes in `root` against `rule`.
 pub fn validate(root: &Node, rule: &Rule) -> Vec<Diagnostic> {
+    mistakes(root, rule, &Place::top(root))
+}
+
+/// The mistakes in `node`, which is at a place, against `rule`.
+fn mistakes(node: &Node, rule: &Rule, place: &Place) -> Vec<Diagnostic> {
     let mut walk = Walk::default();
-    walk.node(root, rule, &Place::top(root));
+    walk.node(node, rule, place);
     walk.mistakes
 }
 
 impl VariedKey {
     /// The mistakes in what the key may have.
     pub fn validate(&self) -> Vec<Diagnostic> {
-        match self.choices() {
-            Ok(rule) => {
-                let mut walk = Walk::default();
-                walk.node(&self.node, &rule, &Place { path: self.path.clone(), span: self.span.clone() });
-                walk.mistakes
-            }
-            Err(mistake) => vec![mistake],
-        }
+        let place = Place { path: self.path.clone(), span: self.span.clone() };
+        self.choices().map_or_else(|mistake| vec![mistake], |rule| mistakes(&self.node, &rule, &place))
     }
 }
 
@@ -112,7 +111,8 @@ impl Walk {
             }
         }
         if rule.varied {
-            self.varied(table, rule);
+            // Keys that vary, each with what it may have.
+            self.mistakes.extend(variation::varied_keys(table, rule).iter().flat_map(VariedKey::validate));
         }
         for key in rule.keys.iter().filter(|key| key.required) {
             if table.get(&key.name).is_none() {
@@ -120,13 +120,6 @@ impl Walk {
             }
         }
         self.groups(table, rule, place);
-    }
-
-    /// Keys that vary, each with what it may have.
-    fn varied(&mut self, table: &Table, rule: &TableRule) {
-        for key in variation::varied_keys(table, rule) {
-            self.mistakes.extend(key.validate());
-        }
     }
 
     /// Keys that exclude one another: at most one group of them, and that one whole.
@@ -237,12 +230,7 @@ impl Walk {
         if let [only] = meant.as_slice() {
             return self.node(node, only, place);
         }
-        let fits = |rule: &&Rule| {
-            let mut attempt = Walk::default();
-            attempt.node(node, rule, place);
-            attempt.mistakes.is_empty()
-        };
-        if meant.iter().any(fits) {
+        if meant.iter().any(|rule| mistakes(node, rule, place).is_empty()) {
             return;
         }
         // A number out of its range, where a quantity may be given too, is a mistake of the number.
