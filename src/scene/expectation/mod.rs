@@ -193,13 +193,12 @@ impl Check<'_> {
         };
         let both = found.must.iter().find(|code| found.must_not.contains(code));
         if let Some(code) = both {
-            let span = self.document.span_of(&["warnings", "must_not"]);
-            self.mistakes.report_with(&span, format!("`{code}` must and must not come"), "keep one of both");
+            self.refuse(&["warnings", "must_not"], format!("`{code}` must and must not come"), "keep one of both");
         }
         let is_empty = written.signals.is_empty() && written.figures.is_empty();
         if self.is_read && is_empty && found.must.is_empty() && found.must_not.is_empty() {
             let hint = "write [signals], [figures] or [warnings]: `droptower explain expect`";
-            self.mistakes.report_with(&self.document.span_of(&["signals"]), "nothing is expected", hint);
+            self.refuse(&["signals"], "nothing is expected", hint);
         }
         found
     }
@@ -218,14 +217,12 @@ impl Check<'_> {
         };
         if name == ALL && (written.absolute.is_some() || written.corridor.is_some()) {
             let message = "signals have different units: `*` cannot bound them by a value";
-            let span = self.document.span_of(&["signals", name]);
-            self.mistakes.report_with(&span, message, "give `relative` or `rating`");
+            self.refuse(&["signals", name], message, "give `relative` or `rating`");
         }
         let has_bound = found.needs_recording() || written.absolute.is_some() || written.corridor.is_some();
         if self.is_read && !has_bound {
-            let span = self.document.span_of(&["signals", name]);
             let hint = "give absolute, relative, rating or corridor";
-            self.mistakes.report_with(&span, format!("nothing bounds `{name}`"), hint);
+            self.refuse(&["signals", name], format!("nothing bounds `{name}`"), hint);
         }
         if found.window.is_some_and(|[from, to]| from >= to) {
             let span = self.document.span_of(&["signals", name, "window"]);
@@ -243,9 +240,8 @@ impl Check<'_> {
         };
         if bounds.between.is_none() && bounds.absolute.is_none() && bounds.relative.is_none() {
             if self.is_read {
-                let span = self.document.span_of(&["figures", name]);
                 let hint = "give between, absolute or relative";
-                self.mistakes.report_with(&span, format!("nothing bounds `{name}`"), hint);
+                self.refuse(&["figures", name], format!("nothing bounds `{name}`"), hint);
             }
             return None;
         }
@@ -285,32 +281,24 @@ impl Check<'_> {
                 .parse()
                 .map_err(|_| (format!("expected a number, found \"{text}\""), format!("`{name}` has no unit"))),
         };
-        let span = self.document.span_of(path);
-        parsed.map_err(|(message, hint)| self.mistakes.report_with(&span, message, hint)).ok()
+        parsed.map_err(|(message, hint)| self.refuse(path, message, hint)).ok()
     }
 
     /// The two bounds of a corridor.
     fn corridor(&mut self, name: &str) -> Option<[Series; 2]> {
         let path = ["signals", name, "corridor"];
         let file: PathBuf = self.document.file_of(&path)?;
-        let report = |check: &mut Self, message: String| {
-            let hint = "expected the columns time_s, lower and upper";
-            check.mistakes.report_with(&check.document.span_of(&path), message, hint);
-        };
-        let found = match csv::read(&file) {
-            Ok(found) => found,
-            Err(error) => {
-                report(self, error.to_string());
-                return None;
-            }
-        };
-        match (found.series("lower"), found.series("upper")) {
-            (Some(lower), Some(upper)) => Some([lower, upper]),
-            _ => {
-                report(self, format!("{} has no columns lower and upper", file.display()));
-                None
-            }
-        }
+        let bounds = csv::read(&file).map_err(|error| error.to_string()).and_then(|found| {
+            let both = found.series("lower").zip(found.series("upper"));
+            both.ok_or_else(|| format!("{} has no columns lower and upper", file.display()))
+        });
+        let hint = "expected the columns time_s, lower and upper";
+        bounds.map(Into::into).map_err(|message| self.refuse(&path, message, hint)).ok()
+    }
+
+    /// A mistake in what is written under these keys, and what to write instead.
+    fn refuse(&mut self, keys: &[&str], message: impl Into<String>, hint: impl Into<String>) {
+        self.mistakes.report_with(&self.document.span_of(keys), message, hint);
     }
 }
 
