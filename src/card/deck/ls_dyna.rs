@@ -5,21 +5,11 @@
 
 use membrane::material::Law;
 
-use super::body::shares;
 use super::finding::DeckLoss;
-use super::{Body, Face, Scene};
+use super::{Body, Face, GRAVITY, STEEL, Scene};
 use crate::layout::Field::{self, Blank, Real, Whole};
 use crate::layout::in_columns;
 use crate::ls_dyna::{Keyword, define_curve};
-
-/// Numbers of the curves of a deck; those of materials begin above 100.
-const MOTION: i64 = 1;
-const REST: i64 = 2;
-const GRAVITY: i64 = 3;
-
-/// Density (kg/m³), Young's modulus (Pa) and Poisson's ratio of steel: the mass of a body is that of its part, its stiffness that
-/// of the contact alone.
-const STEEL: [f64; 3] = [7850.0, 210e9, 0.3];
 
 /// States that are written for pictures.
 const STATES: f64 = 100.0;
@@ -27,17 +17,15 @@ const STATES: f64 = 100.0;
 /// The deck without its head.
 pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> String {
     let deck = scene.deck;
-    let depth = scene.facet_depth();
-    let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
-    losses.extend([DeckLoss::Facets { depth }, DeckLoss::Penalty { inset }, DeckLoss::NotRun { solver: "LS-DYNA" }]);
+    losses.push(DeckLoss::NotRun { solver: "LS-DYNA" });
     let mut text = format!("*KEYWORD\n*TITLE\n{}\n", crate::title(deck.title));
     text += &control(scene, losses);
     scene.materials.cards.iter().for_each(|card| text += card);
-    let (nodes, elements) = (scene.first_nodes(), scene.first_elements());
+    let firsts = scene.firsts();
     for (place, face) in deck.faces.iter().enumerate() {
-        text += &film(scene, face, place, [nodes[place], elements[place]]);
+        text += &film(scene, face, place, firsts[place]);
     }
-    let mut next = [nodes[deck.faces.len()], elements[deck.faces.len()]];
+    let mut next = firsts[deck.faces.len()];
     for (place, body) in deck.bodies.iter().enumerate() {
         text += &rigid(scene, body, place, &mut next);
     }
@@ -157,6 +145,7 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let part = Keyword { name: "PART_INERTIA", title: None, cards }.text();
     let mut text = headed(&part, &body.name);
     text += &section(number, 2, Blank, scene.length(2.0 * body.shape.inset()));
+    // The mass of a body is that of its part, its stiffness that of the contact alone.
     let [density, young, poisson] = STEEL;
     let system = scene.system;
     // Of a guided body neither x and y nor rotations are free.
@@ -193,16 +182,14 @@ fn mounting(scene: &Scene<'_, '_>) -> String {
     if mounting.moves.is_empty() {
         return text;
     }
-    let (time, end) = (scene.time(mounting.time), 2.0 * scene.time(scene.end()));
-    let motion: Vec<[f64; 2]> = shares().map(|[share, moved]| [share * time, moved]).chain([[end, 1.0]]).collect();
-    text += &define_curve(MOTION, "share of the motion to the frame", &motion, [1.0, 1.0]);
-    text += &define_curve(REST, "no motion", &[[0.0, 0.0], [end, 0.0]], [1.0, 1.0]);
+    for (number, title, points) in scene.motions() {
+        text += &define_curve(number, title, &points, [1.0, 1.0]);
+    }
     for one_move in &mounting.moves {
         set += 1;
         text += &node_set(set, &one_move.nodes);
-        // A scale of zero would be taken for its default.
-        let (curve, scale) = if one_move.by == 0.0 { (REST, 1.0) } else { (MOTION, scene.length(one_move.by)) };
-        let death = if one_move.is_held { Blank } else { Real(time) };
+        let (curve, scale) = scene.curve_of(one_move);
+        let death = if one_move.is_held { Blank } else { Real(scene.time(mounting.time)) };
         let fields =
             vec![Whole(set), Whole(one_move.axis as i64 + 1), Whole(2), Whole(curve), Real(scale), Blank, death];
         text += &one("BOUNDARY_PRESCRIBED_MOTION_SET", "nsid dof vad lcid sf vid death birth", fields);

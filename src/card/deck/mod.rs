@@ -20,7 +20,15 @@ use base::number::significant;
 pub use body::stress_free;
 pub use finding::{CODES, DeckLoss};
 
-use body::{Mounting, mounting};
+use body::{Mounting, Move, mounting, shares};
+
+/// Numbers of the curves of a deck; those of materials begin above 100.
+const MOTION: i64 = 1;
+const REST: i64 = 2;
+const GRAVITY: i64 = 3;
+
+/// Density (kg/m³), Young's modulus (Pa) and Poisson's ratio of a body: steel.
+const STEEL: [f64; 3] = [7850.0, 210e9, 0.3];
 
 /// A drop test, SI.
 #[derive(Clone, Debug)]
@@ -194,6 +202,8 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
     let copies = deck.copies();
     losses.extend((copies > 1.0).then_some(DeckLoss::Part { copies }));
     let scene = Scene { deck, mounting, materials: &materials, system: request.system };
+    let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
+    losses.extend([DeckLoss::Facets { depth: scene.facet_depth() }, DeckLoss::Penalty { inset }]);
     let files = match request.target {
         Target::LsDyna => {
             let text = ls_dyna::write(&scene, &mut losses);
@@ -250,22 +260,27 @@ impl Scene<'_, '_> {
         self.deck.bodies.iter().map(|body| body.shape.facet_depth(self.rings(body))).fold(0.0, f64::max)
     }
 
-    /// Number of the first node of each face, and that of the first node behind all of them, from 1.
-    fn first_nodes(&self) -> Vec<usize> {
-        let ends = self.deck.faces.iter().scan(1, |end, face| {
-            *end += face.mounted.len();
-            Some(*end)
+    /// Numbers of the first node and element of each face, and those of the first ones behind all of them, from 1.
+    fn firsts(&self) -> Vec<[usize; 2]> {
+        let ends = self.deck.faces.iter().scan([1; 2], |[node, element], face| {
+            *node += face.mounted.len();
+            *element += face.quads.len() + face.tris.len();
+            Some([*node, *element])
         });
-        std::iter::once(1).chain(ends).collect()
+        std::iter::once([1; 2]).chain(ends).collect()
     }
 
-    /// Number of the first element of each face, and that of the first one behind all of them, from 1.
-    fn first_elements(&self) -> Vec<usize> {
-        let ends = self.deck.faces.iter().scan(1, |end, face| {
-            *end += face.quads.len() + face.tris.len();
-            Some(*end)
-        });
-        std::iter::once(1).chain(ends).collect()
+    /// Numbers and titles of the curves of the mounting, and their points over time in the units of the deck.
+    fn motions(&self) -> [(i64, &'static str, Vec<[f64; 2]>); 2] {
+        let (time, end) = (self.time(self.mounting.time), 2.0 * self.time(self.end()));
+        let to_frame = shares().map(|[share, moved]| [share * time, moved]).chain([[end, 1.0]]);
+        let rest = vec![[0.0, 0.0], [end, 0.0]];
+        [(MOTION, "share of the motion to the frame", to_frame.collect()), (REST, "no motion", rest)]
+    }
+
+    /// Number and scale of the curve of a move. A scale of zero would be taken for its default.
+    fn curve_of(&self, one: &Move) -> (i64, f64) {
+        if one.by == 0.0 { (REST, 1.0) } else { (MOTION, self.length(one.by)) }
     }
 
     /// A length in the units of the deck.

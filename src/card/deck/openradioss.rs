@@ -6,24 +6,15 @@
 
 use membrane::material::Law;
 
-use super::body::shares;
 use super::finding::DeckLoss;
-use super::{Body, DeckRefusal, Face, Scene};
+use super::{Body, DeckRefusal, Face, GRAVITY, STEEL, Scene};
 use crate::layout::Field::{self, Real, Whole, Word};
 use crate::layout::written;
 use crate::openradioss::{Block, function};
 use crate::target::System;
 
-/// Numbers of functions; those of materials begin above 100.
-const MOTION: i64 = 1;
-const REST: i64 = 2;
-const GRAVITY: i64 = 3;
-
 /// Share of the mass of a body that its shells have; the rest is that of its main node.
 const OF_SHELLS: f64 = 1e-3;
-
-/// Young's modulus (Pa) and Poisson's ratio of the shells of a body, which are rigid: steel.
-const STEEL: [f64; 2] = [210e9, 0.3];
 
 /// Largest stiffness of a contact at a node, N/m. The solver's own is that of the steepest curve, unloading among them, which
 /// throws stiff film back and takes four times as many steps. Nodes of test 1008, with 3 N each, sink by 0.2 mm.
@@ -43,25 +34,19 @@ pub(super) fn write(scene: &Scene<'_, '_>, losses: &mut Vec<DeckLoss>) -> Result
         System::LbfInS => return Err(DeckRefusal::Units(scene.system.name())),
     };
     let deck = scene.deck;
-    let depth = scene.facet_depth();
-    let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
-    losses.extend([
-        DeckLoss::Facets { depth },
-        DeckLoss::Penalty { inset },
-        DeckLoss::ContactStiffness { stiffness: CONTACT },
-    ]);
+    losses.push(DeckLoss::ContactStiffness { stiffness: CONTACT });
     let units: String = units.iter().map(|unit| format!("{unit:>20}")).collect();
     let mut text = format!("/BEGIN\nfilm\n{:>10}{:>10}\n{units}\n{units}\n", 2023, 0);
     text += &format!("/TITLE\n{}\n", crate::title(deck.title));
     scene.materials.cards.iter().for_each(|card| text += card);
-    let (first_nodes, first_elements) = (scene.first_nodes(), scene.first_elements());
+    let firsts = scene.firsts();
     let mut groups = Groups::default();
     for (place, face) in deck.faces.iter().enumerate() {
-        let first = first_nodes[place];
-        text += &film(scene, face, place, [first, first_elements[place]]);
+        text += &film(scene, face, place, firsts[place]);
+        let [first, _] = firsts[place];
         text += &groups.add(&format!("face {}", place + 1), first..first + face.mounted.len());
     }
-    let mut next = [first_nodes[deck.faces.len()], first_elements[deck.faces.len()]];
+    let mut next = firsts[deck.faces.len()];
     for (place, body) in deck.bodies.iter().enumerate() {
         text += &rigid(scene, body, place, &mut next, &mut groups);
     }
@@ -218,7 +203,8 @@ fn rigid(scene: &Scene<'_, '_>, body: &Body, place: usize, next: &mut [usize; 2]
     let values = [Whole(1), Whole(1), thickness, Real(SHEAR_SHARE), Whole(2), Whole(1)];
     text += &shell_property(1, number, &title, 2).line("N# Istrain# Thick Ashear - Ithick# Iplas#", &values).0;
     let density = Real(OF_SHELLS * body.mass / (surface.area() * inset) / scene.system.density());
-    let [young, poisson] = STEEL;
+    // The shells of a body are rigid.
+    let [_, young, poisson] = STEEL;
     text += &Block::begin(&format!("/MAT/LAW1/{material}"), &title)
         .line("RHO_I", &[density])
         .line("E nu", &[Real(young / scene.system.stress()), Real(poisson)])
@@ -279,14 +265,13 @@ fn mounting(scene: &Scene<'_, '_>, groups: &mut Groups) -> String {
         return text;
     }
     let (time, end) = (scene.time(mounting.time), 2.0 * scene.time(scene.end()));
-    let motion = shares().map(|[share, moved]| [share * time, moved]).chain([[end, 1.0]]);
-    text += &function(MOTION, "share of the motion to the frame", motion);
-    text += &function(REST, "no motion", [[0.0, 0.0], [end, 0.0]]);
+    for (number, title, points) in scene.motions() {
+        text += &function(number, title, points);
+    }
     for (place, one) in mounting.moves.iter().enumerate() {
         let direction = ["X", "Y", "Z"][one.axis];
         text += &groups.add(&format!("moved along {direction}"), counted(&one.nodes));
-        // A scale of zero would be taken for its default.
-        let (curve, scale) = if one.by == 0.0 { (REST, 1.0) } else { (MOTION, scene.length(one.by)) };
+        let (curve, scale) = scene.curve_of(one);
         let stop = if one.is_held { end } else { time };
         text += &Block::begin(&format!("/IMPDISP/{}", place + 1), "mounting")
             .line(
