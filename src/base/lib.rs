@@ -3,6 +3,7 @@
 
 pub mod number;
 pub mod units;
+pub mod words;
 pub mod written;
 pub mod diagnostic;
 pub mod markup;

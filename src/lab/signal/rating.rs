@@ -3,7 +3,6 @@
 //! Four ratings between 0 and 1 and their weighted sum, equation 64. The curves are compared at 10 kHz and equal
 //! length, as the specification requires; the warnings of the rating report how they were resampled.
 
-use std::fmt;
 use std::ops::Range;
 
 use super::warning::Warning;
@@ -11,6 +10,7 @@ use super::{Series, gap, resample};
 use crate::error::{Error, refusal};
 use base::cancellation::stop_if_cancelled;
 use base::number::{clean_time, significant};
+use base::words;
 use membrane::lane::{LANES, Lane, Width, at_width, splat};
 
 pub use super::warning::Curve;
@@ -47,17 +47,19 @@ pub struct Rating {
     pub warnings: Vec<Warning>,
 }
 
-/// Grades of ISO/TS 18571.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Grade {
-    /// Above 0.94.
-    Excellent,
-    /// Above 0.80.
-    Good,
-    /// Above 0.58.
-    Fair,
-    /// The rest.
-    Poor,
+words! {
+    /// Grades of ISO/TS 18571.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Grade {
+        /// Above 0.94.
+        Excellent = "excellent",
+        /// Above 0.80.
+        Good = "good",
+        /// Above 0.58.
+        Fair = "fair",
+        /// The rest.
+        Poor = "poor",
+    }
 }
 
 impl Grade {
@@ -69,17 +71,6 @@ impl Grade {
             r if r > 0.58 => Grade::Fair,
             _ => Grade::Poor,
         }
-    }
-}
-
-impl fmt::Display for Grade {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Grade::Excellent => "excellent",
-            Grade::Good => "good",
-            Grade::Fair => "fair",
-            Grade::Poor => "poor",
-        })
     }
 }
 

@@ -1,26 +1,17 @@
 //! Warnings of reading, filtering and rating recordings, by code.
 
-use std::fmt;
-
 use base::diagnostic::listed;
-use base::findings;
 use base::number::significant;
+use base::{findings, words};
 
-/// The largest or the smallest value of a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extreme {
-    /// The largest.
-    Maximum,
-    /// The smallest.
-    Minimum,
-}
-
-impl fmt::Display for Extreme {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Extreme::Maximum => "maximum",
-            Extreme::Minimum => "minimum",
-        })
+words! {
+    /// The largest or the smallest value of a channel.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Extreme {
+        /// The largest.
+        Maximum = "maximum",
+        /// The smallest.
+        Minimum = "minimum",
     }
 }
 
@@ -229,20 +220,13 @@ findings! {
     }
 }
 
-/// One of the two curves of a rating.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curve {
-    /// The measured curve, or the one that counts as exact.
-    Reference,
-    /// The curve that is rated.
-    Comparison,
-}
-
-impl fmt::Display for Curve {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Curve::Reference => "reference",
-            Curve::Comparison => "comparison",
-        })
+words! {
+    /// One of the two curves of a rating.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Curve {
+        /// The measured curve, or the one that counts as exact.
+        Reference = "reference",
+        /// The curve that is rated.
+        Comparison = "comparison",
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::springs::SpringStep;
 use crate::mesh::Quality;
 use crate::model::{ImpactorShape, Model};
-use base::{findings, number};
+use base::{findings, number, words};
 use membrane::engine::Relaxation;
 
 /// The body that a warning is about.
@@ -62,13 +62,15 @@ impl fmt::Display for ImpactorName {
     }
 }
 
-/// The length of a body with which elements and penetrations are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum BodySize {
-    /// Of a body that is round, or of bars.
-    Radius,
-    /// Half the smallest extent of any other.
-    HalfExtent,
+words! {
+    /// The length of a body with which elements and penetrations are compared.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum BodySize {
+        /// Of a body that is round, or of bars.
+        Radius = "radius",
+        /// Half the smallest extent of any other.
+        HalfExtent = "half smallest extent",
+    }
 }
 
 impl BodySize {
@@ -92,15 +94,6 @@ impl BodySize {
             BodySize::Radius => [(over_radius, value)],
             BodySize::HalfExtent => [(over_half_extent, value)],
         }
-    }
-}
-
-impl fmt::Display for BodySize {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            BodySize::Radius => "radius",
-            BodySize::HalfExtent => "half smallest extent",
-        })
     }
 }
 

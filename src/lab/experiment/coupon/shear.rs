@@ -5,12 +5,12 @@
 //! coupon at 45°, and both fibre sets have the same stretch.
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
-use std::fmt;
 use std::str::FromStr;
 
 use super::curve::lengths;
 use super::{Coupon, Curve, JITTER};
 use crate::error::{Error, refusal};
+use base::words;
 use membrane::material;
 
 /// A square of film, unstretched.
@@ -85,36 +85,23 @@ const LARGEST_SINE: f64 = 0.95;
 /// Halvings of the interval of fibre strains: to the last bit.
 const HALVINGS: usize = 60;
 
-/// How the curve of a coupon at 45° becomes a shear curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShearMethod {
-    /// Fibres stretch, and the sides of the coupon are free: a strip that is long for its width.
-    #[default]
-    Free,
-    /// Fibres stretch, and the jaws hold the width: a strip that is short for its width.
-    Held,
-    /// Fibres do not stretch: the rhombus of the paper's equations 4 to 8.
-    Rhombus,
+words! {
+    /// How the curve of a coupon at 45° becomes a shear curve.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum ShearMethod {
+        /// Fibres stretch, and the sides of the coupon are free: a strip that is long for its width.
+        #[default]
+        Free = "free",
+        /// Fibres stretch, and the jaws hold the width: a strip that is short for its width.
+        Held = "held",
+        /// Fibres do not stretch: the rhombus of the paper's equations 4 to 8.
+        Rhombus = "rhombus",
+    }
 }
 
 impl ShearMethod {
     /// All of them.
     pub const ALL: [ShearMethod; 3] = [ShearMethod::Free, ShearMethod::Held, ShearMethod::Rhombus];
-
-    /// Its name in options.
-    pub fn name(self) -> &'static str {
-        match self {
-            ShearMethod::Free => "free",
-            ShearMethod::Held => "held",
-            ShearMethod::Rhombus => "rhombus",
-        }
-    }
-}
-
-impl fmt::Display for ShearMethod {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
 }
 
 impl FromStr for ShearMethod {

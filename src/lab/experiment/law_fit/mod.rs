@@ -6,12 +6,12 @@ mod data_set;
 pub mod hyperelastic;
 mod warning;
 
-use std::fmt;
 use std::str::FromStr;
 
 use crate::confidence::Confidence;
 use crate::error::{Error, refusal};
 use base::finding::Finding;
+use base::words;
 use hyperelastic::Energy;
 use membrane::material::{Law, Tension};
 
@@ -156,14 +156,16 @@ pub struct FitOptions {
 /// machine.
 const FLOOR: f64 = 0.02;
 
-/// Reference of differences of stresses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Weighting {
-    /// The largest stress of all tests.
-    #[default]
-    Absolute,
-    /// The measured stress, but not less than 2 % of the largest of its test.
-    Relative,
+words! {
+    /// Reference of differences of stresses.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Weighting {
+        /// The largest stress of all tests.
+        #[default]
+        Absolute = "absolute",
+        /// The measured stress, but not less than 2 % of the largest of its test.
+        Relative = "relative",
+    }
 }
 
 impl Weighting {
@@ -191,15 +193,6 @@ impl FromStr for Weighting {
             "relative" => Ok(Weighting::Relative),
             other => Err(refusal!("expected absolute or relative, found `{other}`")),
         }
-    }
-}
-
-impl fmt::Display for Weighting {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Weighting::Absolute => "absolute",
-            Weighting::Relative => "relative",
-        })
     }
 }
 
