@@ -1,6 +1,7 @@
 //! What the elements of the tests are off by at the best point: each test is run on elements of half and of twice the size, the
 //! order of convergence follows, the limit corrects the simulated signals, and what the limit is uncertain by is an error of the
-//! whole signal (docs/methods.md, equation 331d).
+//! whole signal (docs/methods.md, equation 331d). At two points of a posterior the runs on half the size show by how much the
+//! correction changes there (equation 331e).
 
 use base::number::significant;
 use nalgebra::{DMatrix, DVector};
@@ -71,11 +72,25 @@ pub(super) struct MeshError {
     pub(super) correction: DVector<f64>,
     /// One standard deviation of what the correction is uncertain by, of all bins together.
     pub(super) remainder: DVector<f64>,
+    /// The same of its shape: the part of the change before that is across the last one, as the order has it after that.
+    across: Option<DVector<f64>>,
+    /// By how much it changes where the posterior is, in the same way: in proportion to the way from the best point, and beside it.
+    moving: Vec<DVector<f64>>,
     /// The order of convergence.
     pub(super) order: f64,
 }
 
 impl MeshError {
+    /// All that the correction is uncertain by, each part one standard deviation long.
+    pub(super) fn doubts(&self) -> impl Iterator<Item = &DVector<f64>> {
+        std::iter::once(&self.remainder).chain(&self.across).chain(&self.moving)
+    }
+
+    /// What a run on elements of half the size corrects by, with this order.
+    fn corrected(&self, own: &DVector<f64>, finer: &DVector<f64>) -> DVector<f64> {
+        (finer - own) * (1.0 + (self.order.exp2() - 1.0).recip())
+    }
+
     /// From means on elements as they are and of half the size, and of twice the size where there are any (Richardson).
     fn new(own: &DVector<f64>, finer: &DVector<f64>, coarser: Option<&DVector<f64>>) -> MeshError {
         let change = finer - own;
@@ -87,8 +102,13 @@ impl MeshError {
         let beyond = (order.exp2() - 1.0).recip();
         let correction = &change * (1.0 + beyond);
         // Where elements are too coarse for an order, all of the correction is in doubt.
-        let remainder = if is_regular { change * beyond } else { correction.clone() };
-        MeshError { correction, remainder, order }
+        let remainder = if is_regular { &change * beyond } else { correction.clone() };
+        let across = coarser.map(|coarser| {
+            let before = own - coarser;
+            let along = before.dot(&change) / change.norm_squared();
+            (before - change * along) * (-order).exp2()
+        });
+        MeshError { correction, remainder, across, moving: Vec::new(), order }
     }
 }
 
@@ -100,32 +120,41 @@ pub(super) struct Added {
     pub(super) change: f64,
 }
 
+/// The signals of a test on elements of this factor of their size, or why there are none; nothing of a test without elements.
+type OnElements = Option<Result<Vec<Series>, String>>;
+
+/// Runs of all tests at these values on elements of these factors of their size: a row a test.
+fn on_elements(plan: &Plan, factors: &[f64], values: &[f64], session: &Session) -> HostResult<Vec<Vec<OnElements>>> {
+    let trial = session.with_trial(session.cancellation());
+    let run = |(test, factor): (usize, f64)| {
+        let own = &plan.tests[test];
+        let is_compared = own.signals.iter().any(|signal| signal.distance.is_residuals());
+        if own.pull.is_some() || !is_compared {
+            return Ok(None);
+        }
+        let study = own.study.with(plan.changes_with_breaks(test, values), session)?;
+        let Some(study) = study.with_elements(factor, session) else {
+            return Ok(Some(Err("its mesh is a file".to_owned())));
+        };
+        Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
+    };
+    let jobs: Vec<(usize, f64)> =
+        (0..plan.tests.len()).flat_map(|test| factors.iter().map(move |factor| (test, *factor))).collect();
+    // Of several errors always the first.
+    let runs: Vec<HostResult<OnElements>> = jobs.into_par_iter().map(run).collect();
+    let runs = runs.into_iter().collect::<HostResult<Vec<_>>>()?;
+    check_stop(session)?;
+    Ok(runs.chunks_exact(factors.len()).map(<[OnElements]>::to_vec).collect())
+}
+
 /// Takes the error of the elements at these values up into the signals of all tests; the findings of tests where that cannot be.
 pub(super) fn add(plan: &mut Plan, simulated: &[Vec<Series>], values: &[f64], session: &Session) -> HostResult<Added> {
     if plan.elements == Elements::Exact {
         return Ok(Added::default());
     }
-    let trial = session.with_trial(session.cancellation());
-    let jobs: Vec<(usize, f64)> =
-        (0..plan.tests.len()).flat_map(|test| [FINER, COARSER].map(|factor| (test, factor))).collect();
-    let run = |(test, factor): &(usize, f64)| {
-        let own = &plan.tests[*test];
-        let is_compared = own.signals.iter().any(|signal| signal.distance.is_residuals());
-        if own.pull.is_some() || !is_compared {
-            return Ok(None);
-        }
-        let study = own.study.with(plan.changes_with_breaks(*test, values), session)?;
-        let Some(study) = study.with_elements(*factor, session) else {
-            return Ok(Some(Err("its mesh is a file".to_owned())));
-        };
-        Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
-    };
-    // Of several errors always the first.
-    let runs: Vec<HostResult<_>> = jobs.par_iter().map(run).collect();
-    let runs = runs.into_iter().collect::<HostResult<Vec<_>>>()?;
-    check_stop(session)?;
+    let all = on_elements(plan, &[FINER, COARSER], values, session)?;
     let (mut warnings, mut change) = (Vec::new(), 0.0_f64);
-    for ((test, simulated), runs) in plan.tests.iter_mut().zip(simulated).zip(runs.chunks_exact(2)) {
+    for ((test, simulated), runs) in plan.tests.iter_mut().zip(simulated).zip(&all) {
         let Some(finer) = &runs[0] else { continue };
         let coarser = runs[1].as_ref().and_then(|found| found.as_ref().ok());
         for (place, (signal, simulated)) in test.signals.iter_mut().zip(simulated).enumerate() {
@@ -146,6 +175,36 @@ pub(super) fn add(plan: &mut Plan, simulated: &[Vec<Series>], values: &[f64], se
         }
     }
     Ok(Added { warnings, change })
+}
+
+/// By how much corrections change at two points, one standard deviation of the posterior to either side of its middle: the plan
+/// whose signals have that as an error, too; none where no signal is corrected. A run that fails at either point changes nothing.
+pub(super) fn with_moving(plan: &Plan, points: &[Vec<f64>; 2], session: &Session) -> HostResult<Option<Plan>> {
+    let is_corrected = plan.tests.iter().flat_map(|test| &test.signals).any(|signal| signal.errors.mesh().is_some());
+    if plan.elements == Elements::Exact || !is_corrected {
+        return Ok(None);
+    }
+    let [above, below] = [&points[0], &points[1]].map(|values| on_elements(plan, &[1.0, FINER], values, session));
+    let (above, below) = (above?, below?);
+    let mut plan = plan.clone();
+    for ((test, above), below) in plan.tests.iter_mut().zip(&above).zip(&below) {
+        for (place, signal) in test.signals.iter_mut().enumerate() {
+            let at = |runs: &[OnElements]| {
+                let means = |run: &OnElements| {
+                    let series = run.as_ref()?.as_ref().ok()?.get(place)?;
+                    signal.errors.means(series).map(DVector::from_vec).ok()
+                };
+                Some(signal.errors.mesh()?.corrected(&means(&runs[0])?, &means(&runs[1])?))
+            };
+            let (Some(error), Some(above), Some(below)) = (signal.errors.mesh(), at(above), at(below)) else {
+                continue;
+            };
+            let moving = vec![(&above - &below) / 2.0, (&above + &below) / 2.0 - &error.correction];
+            let error = MeshError { moving, ..error.clone() };
+            signal.errors.set_mesh(Some(error));
+        }
+    }
+    Ok(Some(plan))
 }
 
 /// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian, and their deviations. What the

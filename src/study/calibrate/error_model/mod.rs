@@ -369,7 +369,7 @@ impl ErrorModel {
 
     /// What all differences have in common, each part one standard deviation long: of contact, and of the elements.
     fn directions(&self) -> impl Iterator<Item = &DVector<f64>> {
-        self.of_contact.iter().map(|(_, own)| own).chain(self.mesh.iter().map(|own| &own.remainder))
+        self.of_contact.iter().map(|(_, own)| own).chain(self.mesh.iter().flat_map(MeshError::doubts))
     }
 
     /// Multiplies columns of differences over these deviations by (I + U Uᵀ)^(−1/2), with the common parts over the deviations as
@@ -398,6 +398,11 @@ impl ErrorModel {
         self.mesh = error;
         self.spectrum = self.spectrum_of(self.shape);
         root_mean_square(over.as_slice())
+    }
+
+    /// The error of the elements, where there is one that counts.
+    pub(super) fn mesh(&self) -> Option<&MeshError> {
+        self.mesh.as_ref()
     }
 
     /// The order at which the signal converges with its elements.

@@ -5,10 +5,11 @@ mod surrogate;
 
 use std::sync::{Arc, Mutex};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
 use crate::calibrate::error_model::{Shape, Spectrum};
+use crate::calibrate::mesh;
 use crate::calibrate::objective::CalibrationObjective;
 use crate::calibrate::plan::{BreakUnknowns, Plan};
 use crate::calibrate::posterior::density::{Density, Layout};
@@ -105,6 +106,23 @@ type Runs = Vec<(Vec<f64>, Vec<f64>)>;
 /// A run of a test: its index, the unknowns, and the differences or why there are none.
 type Computed<'a> = (usize, &'a Vec<f64>, Result<Vec<f64>, String>);
 
+/// What the rounds so far have come to.
+struct SoFar {
+    regions: Vec<Region>,
+    runs: Vec<Runs>,
+    /// Of every test, how many of its runs failed, and why the first did.
+    failed: Vec<(usize, String)>,
+    computed: usize,
+    rounds: usize,
+    surrogates: Vec<TestSurrogate>,
+    samples: Samples,
+    /// Error of each surrogate at new points.
+    errors: Vec<f64>,
+    /// Whether no region cuts the samples off.
+    is_inside: bool,
+    stream: Stream,
+}
+
 /// What stays the same over all rounds.
 struct Sampling<'a> {
     plan: &'a Arc<Plan>,
@@ -122,27 +140,24 @@ struct Sampling<'a> {
 }
 
 impl Posterior {
-    /// Samples the posterior about the best point of a search.
+    /// Samples the posterior about the best point of a search: first with the error that elements have there, then with what that
+    /// changes by where the samples are.
     pub(super) fn sample(
         from: &Beginning,
         options: &PosteriorOptions,
         host: &SearchHost,
         session: &Session,
     ) -> HostResult<Posterior> {
-        let plan = &from.plan;
-        let sampling = Sampling {
-            plan,
-            objective: CalibrationObjective::new(plan, from.share, session),
-            layout: Layout::new(plan, &options.scattered),
-            spectra: (0..plan.tests.len()).map(|test| spectra(plan, test)).collect(),
-            acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
-            breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
-            refused: plan.tests.iter().map(|_| Mutex::default()).collect(),
-            session,
-            host,
-            options,
-        };
-        sampling.refined(from)
+        let first = Sampling::new(&from.plan, from.share, options, host, session);
+        let mut so_far = first.begun(from);
+        first.refine(&mut so_far, options.rounds)?;
+        let points = first.on_either_side(&so_far.samples);
+        let Some(plan) = mesh::with_moving(&from.plan, &points, session)? else { return first.result(so_far) };
+        let plan = Arc::new(plan);
+        let sampling = Sampling { refused: first.refused, ..Sampling::new(&plan, from.share, options, host, session) };
+        // The surrogates are good already; errors that are wider may ask for wider ones.
+        sampling.refine(&mut so_far, 1)?;
+        sampling.result(so_far)
     }
 
     /// Samples of the unknowns; of one that scatters, its mean.
@@ -204,32 +219,61 @@ impl Posterior {
 
     /// Covariance of the unknowns.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
-        let (count, unknowns) = (self.states.len() as f64, self.layout.unknowns);
-        let mean = |index: usize| self.states.iter().map(|state| state[index]).sum::<f64>() / count;
-        let means: Vec<f64> = (0..unknowns).map(mean).collect();
-        DMatrix::from_fn(unknowns, unknowns, |row, column| {
-            let product = |state: &Vec<f64>| (state[row] - means[row]) * (state[column] - means[column]);
-            self.states.iter().map(product).sum::<f64>() / (count - 1.0)
-        })
+        covariance(&self.states, self.layout.unknowns)
     }
 }
 
-impl Sampling<'_> {
-    /// Rounds of surrogates and samples until the surrogates are good where the samples are.
-    fn refined(&self, from: &Beginning) -> HostResult<Posterior> {
+impl<'a> Sampling<'a> {
+    fn new(
+        plan: &'a Arc<Plan>,
+        share: f64,
+        options: &'a PosteriorOptions,
+        host: &'a SearchHost,
+        session: &'a Session,
+    ) -> Sampling<'a> {
+        Sampling {
+            plan,
+            objective: CalibrationObjective::new(plan, share, session),
+            layout: Layout::new(plan, &options.scattered),
+            spectra: (0..plan.tests.len()).map(|test| spectra(plan, test)).collect(),
+            acting: (0..plan.tests.len()).map(|test| plan.acting_on(test)).collect(),
+            breaks: (0..plan.tests.len()).map(|test| plan.break_unknowns(test)).collect(),
+            refused: plan.tests.iter().map(|_| Mutex::default()).collect(),
+            session,
+            host,
+            options,
+        }
+    }
+
+    /// Before the first round.
+    fn begun(&self, from: &Beginning) -> SoFar {
         let tests = self.plan.tests.len();
-        let mut regions = self.first_regions(from);
-        let mut runs: Vec<Runs> = vec![Vec::new(); tests];
-        let mut failed: Vec<(usize, String)> = vec![(0, String::new()); tests];
-        let mut computed = 0;
-        let mut centre = self.first_states(from, &regions);
-        let mut stream = Stream::new(self.options.seed);
-        for round in 0.. {
-            let points = regions.iter().zip(&runs).enumerate();
-            let points = points.map(|(test, (region, runs))| self.design(test, region, runs, round));
+        let regions = self.first_regions(from);
+        SoFar {
+            samples: self.first_states(from, &regions),
+            regions,
+            runs: vec![Vec::new(); tests],
+            failed: vec![(0, String::new()); tests],
+            computed: 0,
+            rounds: 0,
+            surrogates: Vec::new(),
+            errors: Vec::new(),
+            is_inside: false,
+            stream: Stream::new(self.options.seed),
+        }
+    }
+
+    /// Rounds of surrogates and samples until the surrogates are good where the samples are, or as good as so many rounds make
+    /// them.
+    fn refine(&self, so_far: &mut SoFar, rounds: usize) -> HostResult<()> {
+        let tests = self.plan.tests.len();
+        for round in 1..=MOVES * rounds {
+            let SoFar { regions, runs, failed, computed, rounds: before, .. } = &mut *so_far;
+            let points = regions.iter().zip(&*runs).enumerate();
+            let points = points.map(|(test, (region, runs))| self.design(test, region, runs, *before));
             let points = points.collect::<HostResult<Vec<_>>>()?;
-            computed += self.compute(&points, &mut runs, &mut failed)?;
-            let surrogates = regions.iter().zip(&runs).enumerate().map(|(test, (region, runs))| {
+            *computed += self.compute(&points, runs, failed)?;
+            let surrogates = regions.iter().zip(&*runs).enumerate().map(|(test, (region, runs))| {
                 let name = &self.plan.tests[test].name;
                 let compared = self.objective.compared(test);
                 let shares = self.layout.shares(self.plan);
@@ -242,35 +286,56 @@ impl Sampling<'_> {
                     refuse!("the surrogate of {name}: {error}{of_runs}")
                 })
             });
-            let surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
-            let samples = self.samples(&surrogates, &centre, round, false, &mut stream)?;
-            let drawn = self.new_points(&samples, &mut stream);
-            let before: Vec<usize> = runs.iter().map(Vec::len).collect();
-            computed += self.compute(&drawn, &mut runs, &mut failed)?;
-            let state = medians(&samples.points);
-            let errors: Vec<f64> = (0..tests)
-                .map(|test| self.error(test, &surrogates[test], &runs[test][before[test]..], &state))
-                .collect();
+            so_far.surrogates = surrogates.collect::<HostResult<Vec<_>>>()?;
+            so_far.samples = self.samples(so_far, false)?;
+            let drawn = self.new_points(&so_far.samples, &mut so_far.stream);
+            let before: Vec<usize> = so_far.runs.iter().map(Vec::len).collect();
+            so_far.computed += self.compute(&drawn, &mut so_far.runs, &mut so_far.failed)?;
+            so_far.rounds += 1;
+            let state = medians(&so_far.samples.points);
+            let new = |test: usize| &so_far.runs[test][before[test]..];
+            let error = |test: usize| self.error(test, &so_far.surrogates[test], new(test), &state);
+            so_far.errors = (0..tests).map(error).collect();
+            so_far.is_inside = self.is_inside(&so_far.samples, &so_far.regions);
+            self.tell(so_far, so_far.rounds + MOVES * rounds - round);
             // Contact makes signals rough, which no surrogate meets: after some rounds its error is in the likelihood.
-            let is_good = errors.iter().all(|error| *error < SMALL_ERROR) || round + 1 >= self.options.rounds;
-            let is_over = round + 1 >= MOVES * self.options.rounds;
-            let is_inside = self.is_inside(&samples, &regions);
-            self.tell(round, computed, &errors, is_inside);
-            if is_over || is_good && is_inside {
-                let samples = self.samples(&surrogates, &samples, round, true, &mut stream)?;
-                return Ok(self.result(samples, errors, is_inside, computed, &runs, failed));
+            let is_good = so_far.errors.iter().all(|error| *error < SMALL_ERROR) || round >= rounds;
+            if is_good && so_far.is_inside {
+                break;
             }
-            regions = self.regions(&samples, &regions);
-            centre = samples;
+            if round < MOVES * rounds {
+                so_far.regions = self.regions(&so_far.samples, &so_far.regions);
+            }
         }
-        Err(refuse("the posterior has no round"))
+        Ok(())
+    }
+
+    /// Values of the unknowns one standard deviation from their medians to either side, along which the samples are widest, each
+    /// unknown over what was known of it before.
+    fn on_either_side(&self, samples: &Samples) -> [Vec<f64>; 2] {
+        let count = self.layout.unknowns;
+        let middle = medians(&samples.points);
+        let known = |index: usize| self.plan.parameter_of(&self.plan.unknowns[index]).prior_deviation();
+        let covariance = covariance(&samples.points, count);
+        let over = DMatrix::from_fn(count, count, |row, column| covariance[(row, column)] / known(row) / known(column));
+        let eigen = SymmetricEigen::new(over);
+        let widest = eigen.eigenvalues.iamax();
+        [1.0, -1.0].map(|side| {
+            let moved = |index: usize| {
+                let [low, high] = self.plan.parameter_of(&self.plan.unknowns[index]).ends();
+                let along = eigen.eigenvectors[(index, widest)] * eigen.eigenvalues[widest].max(0.0).sqrt();
+                (middle[index] + side * along * known(index)).clamp(low, high)
+            };
+            self.plan.values(&(0..count).map(moved).collect::<Vec<_>>())
+        })
     }
 
     /// Says how far it is after a round.
-    fn tell(&self, round: usize, computed: usize, errors: &[f64], is_inside: bool) {
+    fn tell(&self, so_far: &SoFar, most: usize) {
+        let SoFar { rounds, computed, errors, is_inside, .. } = so_far;
         let largest = errors.iter().copied().fold(0.0, f64::max);
-        let cut = if is_inside { "" } else { ", samples reach the ends of a region" };
-        let of = format!("{}, posterior, round {} of {}", self.plan.title(), round + 1, MOVES * self.options.rounds);
+        let cut = if *is_inside { "" } else { ", samples reach the ends of a region" };
+        let of = format!("{}, posterior, round {rounds} of {most}", self.plan.title());
         let off = match largest.is_finite() {
             true => format!("surrogates off by at most {} deviations", base::number::significant(largest, 2)),
             false => "no run at new points has a value".into(),
@@ -488,17 +553,11 @@ impl Sampling<'_> {
         Samples { points, r_hat: Vec::new(), effective: Vec::new(), acceptance: 0.0, steps: 0 }
     }
 
-    fn samples(
-        &self,
-        surrogates: &[TestSurrogate],
-        centre: &Samples,
-        round: usize,
-        is_last: bool,
-        stream: &mut Stream,
-    ) -> HostResult<Samples> {
+    fn samples(&self, so_far: &mut SoFar, is_last: bool) -> HostResult<Samples> {
+        let SoFar { surrogates, samples: centre, rounds, stream, .. } = so_far;
         let density =
             Density { plan: self.plan, layout: &self.layout, acting: &self.acting, breaks: &self.breaks, surrogates };
-        let seed = self.options.seed.wrapping_add(round as u64);
+        let seed = self.options.seed.wrapping_add((*rounds).saturating_sub(usize::from(is_last)) as u64);
         // Samples that only tell where surrogates are needed may be few.
         let (most_steps, effective) =
             if is_last { (self.options.steps, 1000.0) } else { (LOOK.min(self.options.steps), 200.0) };
@@ -607,18 +666,13 @@ impl Sampling<'_> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
-    fn result(
-        &self,
-        samples: Samples,
-        errors: Vec<f64>,
-        is_inside: bool,
-        computed: usize,
-        runs: &[Runs],
-        failed: Vec<(usize, String)>,
-    ) -> Posterior {
+    /// Many samples on the last surrogates.
+    fn result(&self, mut so_far: SoFar) -> HostResult<Posterior> {
+        let samples = self.samples(&mut so_far, true)?;
+        let SoFar { runs, failed, computed, rounds, errors, is_inside, .. } = so_far;
         let mut warnings = Vec::new();
         if !is_inside {
-            warnings.push(Warning::PosteriorCut { rounds: MOVES * self.options.rounds });
+            warnings.push(Warning::PosteriorCut { rounds });
         }
         for (place, (r_hat, effective)) in
             samples.r_hat.iter().copied().zip(samples.effective.iter().copied()).enumerate()
@@ -640,7 +694,7 @@ impl Sampling<'_> {
                 warnings.push(Warning::PosteriorRuns { test: own.name.clone(), failed: count, runs, cause });
             }
         }
-        Posterior {
+        Ok(Posterior {
             plan: Arc::clone(self.plan),
             layout: self.layout.clone(),
             states: kept(samples.points, self.options.seed),
@@ -651,7 +705,7 @@ impl Sampling<'_> {
             runs_of_tests: runs.iter().map(Vec::len).collect(),
             errors,
             warnings,
-        }
+        })
     }
 }
 
@@ -662,6 +716,17 @@ fn spectra(plan: &Plan, test: usize) -> Vec<Spectrum> {
         Spectrum::joined(&signals.map(|signal| signal.spectrum(Some(*shape))).collect::<Vec<_>>())
     };
     plan.shapes(test).par_iter().map(of).collect()
+}
+
+/// Covariance of the first coordinates of states.
+fn covariance(states: &[Vec<f64>], coordinates: usize) -> DMatrix<f64> {
+    let count = states.len() as f64;
+    let mean = |index: usize| states.iter().map(|state| state[index]).sum::<f64>() / count;
+    let means: Vec<f64> = (0..coordinates).map(mean).collect();
+    DMatrix::from_fn(coordinates, coordinates, |row, column| {
+        let product = |state: &Vec<f64>| (state[row] - means[row]) * (state[column] - means[column]);
+        states.iter().map(product).sum::<f64>() / (count - 1.0)
+    })
 }
 
 /// Medians of all coordinates.
