@@ -279,4 +279,18 @@ mod tests {
         assert_eq!((slow.remainder.clone(), slow.order), (slow.correction.clone(), 1.0));
         assert!((slow.correction + 0.4 * error).norm() < 1e-12);
     }
+
+    /// What the change before has across the last one is in doubt, half of it where the order is the first.
+    #[test]
+    fn a_change_of_shape_is_in_doubt() {
+        let at = |first: f64, second: f64| DVector::from_vec(vec![first, second, 1.0]);
+        let found = MeshError::new(&at(2.0, 0.0), &at(1.0, 0.0), Some(&at(4.0, 0.6)));
+        assert_eq!(found.correction, DVector::from_vec(vec![-2.0, 0.0, 0.0]));
+        let across = found.across.as_ref().unwrap();
+        assert!((across - DVector::from_vec(vec![0.0, -0.3, 0.0])).norm() < 1e-12, "{across}");
+        assert_eq!(found.doubts().count(), 2);
+        // Of film whose elements err elsewhere in the same way, runs there say the same.
+        assert_eq!(found.corrected(&at(2.0, 0.0), &at(1.0, 0.0)), found.correction);
+        assert_eq!(MeshError::new(&at(2.0, 0.0), &at(1.0, 0.0), None).across, None);
+    }
 }

@@ -4,6 +4,7 @@
 //! Its likelihood contains what cross-validation leaves of each principal component of the differences, which is an error of all
 //! coordinates together, and what components that are left out leave of every coordinate (docs/methods.md, equation 334).
 
+use membrane::lane::{LANES, Lane, Width, at_width, lanes};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use uncertainty::Error;
@@ -128,8 +129,25 @@ struct OverShares {
     first: f64,
     shapes: usize,
     /// At sizes [`SPACING`] apart in their logarithm, or the one size that is given: of each product of two amplitudes, the mean's of
-    /// one among them, its factor for every shape; then what is added.
-    nodes: Vec<Vec<f64>>,
+    /// one among them, its factor for every shape; then what is added. Shapes are lanes, of which the last may be empty.
+    nodes: Vec<Vec<Lane>>,
+    width: Width,
+}
+
+at_width! {
+    /// Sums of weight, product and factor over nodes, for the shapes of each chunk. A step of a walker is little else.
+    fn summed[](nodes: &[(&[Lane], f64)], products: &[f64], sums: &mut [Lane]) {
+        let chunks = sums.len();
+        for chunk in 0..chunks {
+            let mut sum = Lane::default();
+            for (factors, weight) in nodes {
+                for place in 0..products.len() {
+                    sum += factors[place * chunks + chunk] * (weight * products[place]);
+                }
+            }
+            sums[chunk] = sum;
+        }
+    }
 }
 
 impl OverShares {
@@ -154,10 +172,11 @@ impl OverShares {
         };
         let all: Vec<Vec<Vec<f64>>> = spectra.par_iter().map(of_shape).collect();
         let node = |size: usize| {
-            let factors = all[0][size].len();
-            (0..factors).flat_map(|factor| all.iter().map(move |own| own[size][factor])).collect()
+            let chunk =
+                |of: &[Vec<Vec<f64>>], factor: usize| lanes(|lane| of.get(lane).map_or(0.0, |own| own[size][factor]));
+            (0..all[0][size].len()).flat_map(|factor| all.chunks(LANES).map(move |of| chunk(of, factor))).collect()
         };
-        OverShares { first, shapes: spectra.len(), nodes: (0..sizes.len()).map(node).collect() }
+        OverShares { first, shapes: spectra.len(), nodes: (0..sizes.len()).map(node).collect(), width: Width::best() }
     }
 
     /// By the cubic through the nodes about a size.
@@ -181,13 +200,11 @@ impl OverShares {
             .enumerate()
             .flat_map(|(column, own)| with_mean().take(column + 1).map(move |other| own * other));
         let products: Vec<f64> = pairs.chain([1.0]).collect();
-        let mut found = vec![0.0; self.shapes];
-        for (node, weight) in nodes {
-            for (factors, product) in self.nodes[node].chunks_exact(self.shapes).zip(&products) {
-                found.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += weight * product * factor);
-            }
-        }
-        found
+        let nodes: Vec<(&[Lane], f64)> =
+            nodes.into_iter().map(|(node, weight)| (self.nodes[node].as_slice(), weight)).collect();
+        let mut sums = vec![Lane::default(); self.shapes.div_ceil(LANES)];
+        summed(self.width, &nodes, &products, &mut sums);
+        sums.iter().flat_map(|chunk| chunk.iter().copied()).take(self.shapes).collect()
     }
 }
 
