@@ -45,9 +45,13 @@ pub fn grouped(count: u64) -> String {
     groups.join(" ")
 }
 
-/// A time in ms, from 10 s on in s.
+/// A time in ms, from 1 s on in s.
 pub fn duration(seconds: f64) -> String {
-    if seconds < 10.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.1} s") }
+    match seconds {
+        ..1.0 => format!("{:.1} ms", seconds * 1e3),
+        ..10.0 => format!("{seconds:.2} s"),
+        _ => format!("{seconds:.1} s"),
+    }
 }
 
 /// A wall time that has passed: as one to come, but below 10 s with its fractions.

@@ -159,6 +159,7 @@ fn text(comparison: &RunComparison, all: bool) -> String {
         false => compare_page::figures(comparison.key_figures()),
     };
     [
+        terminal::sentences(&compare_page::sentence(comparison)) + "\n",
         part(
             "scenario",
             compare_page::keys(comparison).into_iter().map(|row| row.into_iter().map(cut).collect()).collect(),

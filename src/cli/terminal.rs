@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use base::finding::{Finding, Severity};
 use base::number::significant;
 use base::written::Reading;
@@ -70,7 +72,7 @@ pub(crate) fn sentences(answer: &str) -> String {
 
 /// The answer, figures and tables; every line ends with a line break.
 pub(crate) fn script_output(output: &ScriptOutput) -> String {
-    let answer = output.answer.iter().map(|answer| sentences(answer));
+    let answer = report::study_answer(output).map(|answer| sentences(&answer));
     let figures = output.measures.iter().filter_map(|(name, value)| {
         let of_number = |number: f64| {
             let (words, reading) = Reading::of_name(name, number);
@@ -81,17 +83,18 @@ pub(crate) fn script_output(output: &ScriptOutput) -> String {
     });
     let figures = figures.map(|figure| format!("  {figure}\n"));
     let tables = output.tables.iter().map(|(name, rows)| format!("  {name}\n{}", rows_of(rows)));
-    answer.chain(figures).chain(tables).collect()
+    answer.into_iter().chain(figures).chain(tables).collect()
 }
 
-/// The rows under the names of their columns, aligned to the right.
+/// The rows under the names of their columns; those before the first numbers are words, aligned to the left.
 fn rows_of(rows: &[Row]) -> String {
     let columns = columns(rows);
     let left_out = rows.len().saturating_sub(MOST_ROWS);
     let (head, tail) = if left_out > 0 { (FIRST_ROWS, FIRST_ROWS + left_out) } else { (rows.len(), rows.len()) };
     let cells = |row: &Row| columns.iter().map(|name| row.get(name).map_or_else(String::new, cell)).collect();
     let shown = rows[..head].iter().chain(&rows[tail..]).map(cells);
-    let text = table(0, &columns, shown);
+    let is_words = |name: &&String| rows.iter().all(|row| row.get(*name).is_some_and(Value::is_string));
+    let text = table(columns.iter().take_while(is_words).count(), &columns, shown);
     if left_out == 0 {
         return text;
     }

@@ -250,7 +250,7 @@ fn judged(comparison: &RunComparison, run: usize) -> Vec<Difference<'_>> {
 }
 
 /// What differs most, and in how many keys the scenarios differ.
-pub(crate) fn sentence(comparison: &RunComparison) -> String {
+pub fn sentence(comparison: &RunComparison) -> String {
     let first = comparison.runs.first().map_or("", |run| &run.name);
     let of_run = |run: usize| {
         let name = &comparison.runs[run].name;

@@ -54,10 +54,10 @@ fn search_fits(search: &ConvergenceHistory, is_one: bool) -> impl Iterator<Item 
     search.fits.iter().filter_map(move |fit| Some(Fit { search, fit, name: name(fit), error: error(fit)? }))
 }
 
-/// The answer of a study in a few sentences: its own, else what its searches found, else the first line of its description.
-pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &str) -> String {
+/// The answer of a study in a few sentences: its own, else what its searches found.
+pub(super) fn found(output: &ScriptOutput, estimates: &[Estimate]) -> Option<String> {
     if let Some(answer) = &output.answer {
-        return answer.clone();
+        return Some(answer.clone());
     }
     let next = output.findings.iter().filter(|own| own.code == "measure-next").map(|own| {
         let mut letters = own.message.chars();
@@ -65,14 +65,11 @@ pub(super) fn sentence(output: &ScriptOutput, estimates: &[Estimate], script: &s
     });
     let answers = [met(&fits(output)), known(estimates)].into_iter().flatten();
     let sentences: Vec<String> = answers.chain(next).collect();
-    match sentences.is_empty() {
-        true => described(script),
-        false => sentences.join(" "),
-    }
+    (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
 /// The first paragraph of the script's description, at most its first sentence: its lines end where the page is narrow.
-fn described(script: &str) -> String {
+pub(super) fn described(script: &str) -> String {
     let lines = script.lines().skip_while(|line| !line.starts_with("//!")).map_while(|line| line.strip_prefix("//!"));
     let words: Vec<&str> = lines.map(str::trim).take_while(|line| !line.is_empty()).collect();
     let text = words.join(" ");
@@ -282,7 +279,7 @@ mod tests {
         let mesh = Some("limited by the mesh");
         let all = [one("k1", None), one("ke", mesh), one("ky", mesh), one("kb", Some("at its upper bound"))];
         assert_eq!(
-            sentence(&output, &all, ""),
+            found(&output, &all).expect("an answer"),
             "Identified: k1 2 (±5 %). ke and ky are limited by the mesh. kb is at its upper bound. Measure light next: it narrows ky."
         );
     }

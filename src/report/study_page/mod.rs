@@ -29,11 +29,16 @@ pub struct StudyPage<'a> {
 /// Most points of all plots of a page, which keep it below 3 MB.
 const MOST_POINTS: usize = 120_000;
 
+/// The answer of a study in a few sentences; none of a script that neither gives one nor searches.
+pub fn study_answer(output: &ScriptOutput) -> Option<String> {
+    answer::found(output, &estimates::estimates(output))
+}
+
 /// `report.html` of a study.
 pub fn study_page(study: &StudyPage) -> String {
     let StudyPage { output, script, .. } = *study;
     let estimates = estimates::estimates(output);
-    let lead = answer::sentence(output, &estimates, script);
+    let lead = answer::found(output, &estimates).unwrap_or_else(|| answer::described(script));
     let measures = &output.measures;
     let parts = [
         answer::cards(measures, script),

@@ -24,7 +24,11 @@ pub fn check(
 ) -> Option<Reference> {
     let written = scenario.reference.as_ref()?;
     if written.signals.is_none() && written.field.is_none() {
-        return mistakes.refuse("reference", "there is nothing to compare with", "name `signals`, a `field`, or both");
+        return mistakes.refuse(
+            "reference",
+            "there is nothing to compare with",
+            "name `reference.signals`, `reference.field`, or both",
+        );
     }
     let run_time = specimen.map(|specimen| loading.run_time(&specimen.shape));
     let field = written.field.as_ref().map(|field| check_field(field, faces, run_time, mistakes));

@@ -335,7 +335,12 @@ impl Monitor {
         out.extend(of(met_others_alone, Warning::NoFilmContact));
         for (body, (name, size)) in names.iter().zip(sizes).enumerate() {
             let watches = [Watch::Travel, Watch::Edge, Watch::Penetration, Watch::FrameHit];
-            out.extend(watches.into_iter().filter_map(|watch| self.of_body(watch, body, name, size)));
+            let found = watches.into_iter().filter_map(|watch| self.of_body(watch, body, name, size));
+            // Edges of film that has torn are as long as its pieces: they say nothing of what came before.
+            let is_torn = |time: f64| rupture_time.is_some_and(|rupture| time >= rupture);
+            out.extend(
+                found.filter(|warning| !matches!(warning, Warning::CoarseContact { time, .. } if is_torn(*time))),
+            );
         }
         let of_film = |watches: &[Watch]| -> Vec<Warning> {
             watches.iter().filter_map(|watch| self.of_film(*watch, model)).collect()

@@ -11,6 +11,7 @@ use super::plan::Plan;
 use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
+use crate::codes;
 use crate::identify::{
     self, HostSearch, Labels, Method, Phase, Search, SearchError, SearchHost, SearchResult, SignalLabel, failure,
     weigh_at_start,
@@ -431,8 +432,8 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
         let all = run.summary().get("findings").and_then(Value::as_array).into_iter().flatten();
         for finding in all.filter(|own| own["severity"] == "warning") {
             let [Some(code), Some(message)] = ["code", "message"].map(|key| finding[key].as_str()) else { continue };
-            // Of recordings the script says so itself.
-            if code == VIRTUAL_REFERENCE.name {
+            // Of recordings, and of what the film's data leave open, the script says so itself.
+            if code == VIRTUAL_REFERENCE.name || codes::left_open(code).is_some() {
                 continue;
             }
             let same = found.iter_mut().find_map(|own| match own {

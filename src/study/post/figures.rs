@@ -179,7 +179,7 @@ pub const HEADLINES: [Headline; 25] = [
     result(INFLATION, "final_volume_m3", "volume", (1e3, "l")),
     result(INFLATION, "peak_pressure_Pa", "peak pressure", KPA),
     result(INFLATION, "burst_pressure_Pa", "burst pressure", KPA),
-    other(INFLATION, "settling", "settled within", PERCENT),
+    other(INFLATION, "settling", "settled to", PERCENT),
     other(EVERY, "energy_balance_error", "energy balance error", PERCENT),
     result(EVERY, "torn_length_m", "torn", MM),
     result(EVERY, "warming_K", "warmed up by", (1.0, "K")),
