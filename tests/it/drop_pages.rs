@@ -46,7 +46,7 @@ fn the_page_of_a_drop_answers_and_marks_where_its_figures_were_taken() {
     let call = [&["data/virtual/1008.csv", "--page", text(&page)][..], &TOWER].concat();
     let found = figures(&drop(&[&call[..], &["--json"]].concat()));
     let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{key} in {found}"));
-    let html = fs::read_to_string(&page).expect("a page");
+    let html = fs::read_to_string(&page).expect("a page").replace('\u{a0}', " ");
     let (_, lead) = html.split_once("<p class=\"lead\">").expect("an answer");
     let expected = "Virtual, not measured: the impactor of 10.72 kg met the film at 4.15";
     assert!(lead.starts_with(expected), "{}", &lead[..300]);
@@ -236,7 +236,7 @@ fn a_folder_of_recordings_gives_one_table_one_page_and_the_scatter() {
     assert_eq!(speeds, expected);
     assert!(lines[5][column("error")].contains("there is no contact"), "{:?}", lines[5]);
     // The page: curves of all drops aligned at contact, and the cause of the one without.
-    let html = fs::read_to_string(&page).expect("a page");
+    let html = fs::read_to_string(&page).expect("a page").replace('\u{a0}', " ");
     let (_, lead) = html.split_once("<p class=\"lead\">").expect("an answer");
     let lead = lead.split("</p>").next().expect("its end");
     for words in [
