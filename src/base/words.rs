@@ -3,6 +3,7 @@
 /// Defines an enumeration each of whose variants is shown as its word.
 ///
 /// ```
+/// # use droptower_base as base;
 /// base::words! {
 ///     /// How it went.
 ///     #[derive(Clone, Copy)]
