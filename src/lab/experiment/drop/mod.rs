@@ -40,10 +40,17 @@ pub enum Correction {
     Ramp,
 }
 
+impl Default for Correction {
+    fn default() -> Correction {
+        Correction::Coupling { time_constant: None }
+    }
+}
+
 /// The channel frequency class of the filtered acceleration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Class {
     /// The highest of 1000, 600, 180 and 60 that the rate of the samples allows.
+    #[default]
     OfRate,
     /// This one.
     Given(f64),
@@ -52,7 +59,7 @@ pub enum Class {
 }
 
 /// How a recording is reduced, and what is known beside the height.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reduction {
     /// Correction of the acceleration.
     pub correction: Correction,
@@ -70,21 +77,6 @@ pub struct Reduction {
     pub contact_error: Option<f64>,
     /// Friction of the guide and its standard deviation, N.
     pub guide_friction: Option<[f64; 2]>,
-}
-
-impl Default for Reduction {
-    fn default() -> Reduction {
-        Reduction {
-            correction: Correction::Coupling { time_constant: None },
-            class: Class::OfRate,
-            speed: None,
-            contact_time: None,
-            height_error: None,
-            speed_error: None,
-            contact_error: None,
-            guide_friction: None,
-        }
-    }
 }
 
 /// What is known of a drop before its recording is looked at: values with their standard deviations.
