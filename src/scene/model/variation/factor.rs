@@ -137,6 +137,17 @@ impl Factor {
     }
 }
 
+/// A distribution of two numbers.
+type Make = fn(f64, f64) -> Result<Distribution, uncertainty::Error>;
+
+/// The distributions: their key, those of their numbers below it, and what is made of these.
+const DISTRIBUTIONS: [(&str, [&str; 2], Make); 4] = [
+    ("uniform", ["0", "1"], Distribution::uniform),
+    ("normal", ["mean", "deviation"], Distribution::normal),
+    ("lognormal", ["mean", "deviation"], Distribution::log_normal),
+    ("weibull", ["scale", "shape"], Distribution::weibull),
+];
+
 /// How the values of a key are read.
 struct Reading {
     dimension: Option<Dimension>,
@@ -168,26 +179,15 @@ impl Reading {
     /// A range or a distribution.
     fn chosen(&self, node: &Node) -> Result<Values, String> {
         let number = |path: &str| node.find(path).and_then(|node| self.number(node));
-        let pair = |kind: &str| Some([number(&format!("{kind}.0"))?, number(&format!("{kind}.1"))?]);
-        if let (Some(ends), Some(Value::Whole(count))) = (pair("range"), node.find("count").map(|node| &node.value)) {
-            return self.range(ends, usize::try_from(*count).unwrap_or(0), &node.span).map(Values::Levels);
+        let count = node.find("count").map(|node| &node.value);
+        if let ([Some(from), Some(to)], Some(Value::Whole(count))) = (["range.0", "range.1"].map(number), count) {
+            return self.range([from, to], usize::try_from(*count).unwrap_or(0), &node.span).map(Values::Levels);
         }
-        let given = |kind: &str, names: [&str; 2]| {
+        let made = DISTRIBUTIONS.into_iter().find_map(|(kind, names, make)| {
             let [first, second] = names.map(|name| number(&format!("{kind}.{name}")));
-            Some((first?, second?))
-        };
-        let shape = || node.find("weibull.shape").and_then(|node| self.number(node));
-        let made: Result<Distribution, uncertainty::Error> = if let Some([low, high]) = pair("uniform") {
-            Distribution::uniform(low, high)
-        } else if let Some((mean, deviation)) = given("normal", ["mean", "deviation"]) {
-            Distribution::normal(mean, deviation)
-        } else if let Some((mean, deviation)) = given("lognormal", ["mean", "deviation"]) {
-            Distribution::log_normal(mean, deviation)
-        } else if let (Some(scale), Some(shape)) = (number("weibull.scale"), shape()) {
-            Distribution::weibull(scale, shape)
-        } else {
-            return Err("expected a list, a range or a distribution".into());
-        };
+            Some(make(first?, second?))
+        });
+        let made = made.ok_or("expected a list, a range or a distribution")?;
         let whole = made.map_err(|error| error.to_string())?;
         let limits = [number("truncate.low"), number("truncate.high")];
         let truncated = match limits {
