@@ -41,8 +41,7 @@ pub(super) fn check_hyperelastic(
             let [c10, c01] = [written.c10?.0, written.c01?.0];
             if c10 + c01 <= 0.0 {
                 let message = "film of these coefficients has no stiffness: `c10` + `c01` is not above zero";
-                mistakes.report_with(&format!("{path}.c10"), message, "their sum is half the shear modulus at rest");
-                return None;
+                return mistakes.refuse(&format!("{path}.c10"), message, "their sum is half the shear modulus at rest");
             }
             HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::mooney_rivlin(c10, c01), wrinkling })
         }
@@ -50,8 +49,7 @@ pub(super) fn check_hyperelastic(
             let [c10, c20, c30] = [written.c10?.0, written.c20?.0, written.c30?.0];
             if c10 <= 0.0 {
                 let message = "film of these coefficients has no stiffness: `c10` is not above zero";
-                mistakes.report_with(&format!("{path}.c10"), message, "it is half the shear modulus at rest");
-                return None;
+                return mistakes.refuse(&format!("{path}.c10"), message, "it is half the shear modulus at rest");
             }
             HyperelasticLaw::Polynomial(Hyperelastic { energy: Polynomial::yeoh([c10, c20, c30]), wrinkling })
         }
@@ -80,8 +78,7 @@ fn modulus(written: &Moduli, law: &str, path: &str, mistakes: &mut ModelDiagnost
             mistakes.refuse(&path, message, "it is the shear modulus at rest")
         }
         Moduli::Terms(_) => {
-            mistakes.report_with(&path, format!("`{law}` has one modulus"), "only `ogden` has a list of moduli");
-            None
+            mistakes.refuse(&path, format!("`{law}` has one modulus"), "only `ogden` has a list of moduli")
         }
     }
 }
@@ -100,8 +97,7 @@ fn ogden(mu: &Moduli, alpha: &[f64], path: &str, mistakes: &mut ModelDiagnostics
         return None;
     }
     if let Some(zero) = alpha.iter().position(|alpha| *alpha == 0.0) {
-        mistakes.report_with(&format!("{alpha_path}.{zero}"), "an exponent is zero", "leave the term out");
-        return None;
+        return mistakes.refuse(&format!("{alpha_path}.{zero}"), "an exponent is zero", "leave the term out");
     }
     if mu.len() > Ogden::TERMS {
         mistakes.report(&mu_path, format!("there are {} terms; the law has up to {}", mu.len(), Ogden::TERMS));
@@ -201,30 +197,27 @@ fn flow_by_rate(
 fn flow_curve(points: &[Point], path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<FlowCurve> {
     let pairs: Vec<[f64; 2]> = points.iter().map(|Point(strain, stress)| [*strain, stress.0]).collect();
     let place = |index: usize| format!("{path}.{index}");
-    let error = match FlowCurve::new(&pairs) {
+    match FlowCurve::new(&pairs) {
         Ok(curve) => return Some(curve),
-        Err(error) => error,
-    };
-    match error {
-        FlowCurveError::StartsLate { strain } => {
+        Err(FlowCurveError::StartsLate { strain }) => {
             let message = format!("the flow curve starts at the plastic strain {}", significant(strain, 4));
             mistakes.report_with(&place(0), message, "its first point is the yield stress: [0, \"8 MPa\"]");
         }
-        FlowCurveError::NoStress => {
+        Err(FlowCurveError::NoStress) => {
             mistakes.report_with(&place(0), "film without yield stress", "its first point is the yield stress");
         }
-        FlowCurveError::Curve(CurveError::StrainNotIncreasing { index, strain, previous }) => {
+        Err(FlowCurveError::Curve(CurveError::StrainNotIncreasing { index, strain, previous })) => {
             let hint = format!("{strain} follows {previous}");
             mistakes.report_with(&place(index), "the flow curve is not increasing in plastic strain", hint);
         }
-        FlowCurveError::Curve(CurveError::StressFalls { index, .. }) => {
+        Err(FlowCurveError::Curve(CurveError::StressFalls { index, .. })) => {
             mistakes.report_with(&place(index), "the flow stress falls", "film that softens has no law");
         }
-        FlowCurveError::Curve(CurveError::NotFinite { index }) => {
+        Err(FlowCurveError::Curve(CurveError::NotFinite { index })) => {
             mistakes.report(&place(index), "this point of the flow curve is not finite");
         }
         // The number of points was checked before.
-        FlowCurveError::Empty | FlowCurveError::Curve(CurveError::TooShort) => {}
+        Err(FlowCurveError::Empty | FlowCurveError::Curve(CurveError::TooShort)) => {}
     }
     None
 }
@@ -255,12 +248,11 @@ pub(super) fn check_viscosity(
         Err(ViscosityError::NothingLeft { sum }) => {
             let message =
                 format!("the shares sum to {}, and film that has relaxed would carry nothing", significant(sum, 4));
-            mistakes.report_with(
+            return mistakes.refuse(
                 &place,
                 message,
                 "a share is that of the instantaneous stiffness; all sum to less than 1",
             );
-            return None;
         }
         // The ranges were checked before.
         Err(ViscosityError::Empty | ViscosityError::InvalidTerm { .. }) => return None,
@@ -336,8 +328,7 @@ pub(super) fn check_rupture(
             let message = "the limit of a strain is a number without unit";
             let hint =
                 "write it like 1.2, for film that is 2.2 times as long; or use the criterion `stress` or `energy`";
-            mistakes.report_with(&format!("{place}.limit"), message, hint);
-            return None;
+            return mistakes.refuse(&format!("{place}.limit"), message, hint);
         }
         Some(limit) => (criterion, limit.value()),
         None if criterion == Criterion::FibreStrain => (Criterion::Break, 1.0),

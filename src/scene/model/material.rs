@@ -160,25 +160,24 @@ fn by_rate(
         let written = Written { points, scale, break_factor };
         curves.push(self::written(&written, &path, mistakes).map(|curve| (rate.0, curve)));
     }
-    let error = match RateCurves::new(curves.into_iter().collect::<Option<_>>()?, memory) {
+    match RateCurves::new(curves.into_iter().collect::<Option<_>>()?, memory) {
         Ok(curves) => return Some(curves),
-        Err(error) => error,
-    };
-    match error {
-        RateCurvesError::RateNotIncreasing { index, rate, previous } => mistakes.report_with(
+        Err(RateCurvesError::RateNotIncreasing { index, rate, previous }) => mistakes.report_with(
             &format!("{path}.rates.{index}.rate"),
             "the rates do not increase",
             format!("{} follows {}; list the slowest first", Rate(rate), Rate(previous)),
         ),
-        RateCurvesError::NoInitialSlope { index } => mistakes.report_with(
+        Err(RateCurvesError::NoInitialSlope { index }) => mistakes.report_with(
             &format!("{path}.rates.{index}"),
             "this curve starts without stress",
             "curves by strain rate rise from the origin, so that the film can unload along each of them",
         ),
         // The ranges were checked before.
-        RateCurvesError::Empty
-        | RateCurvesError::InvalidRate { .. }
-        | RateCurvesError::InvalidAveragingStrain { .. } => {}
+        Err(
+            RateCurvesError::Empty
+            | RateCurvesError::InvalidRate { .. }
+            | RateCurvesError::InvalidAveragingStrain { .. },
+        ) => {}
     }
     None
 }
@@ -248,12 +247,11 @@ fn scaled(
         return Some(curve);
     }
     let Some(yields) = yields else {
-        mistakes.report_with(
+        return mistakes.refuse(
             &format!("{path}.curve"),
             "`scale` needs the yield points of a curve, and this one has none",
             format!("give their strains beside it: yield_strains = [{}, {}]", 0.3, 0.8),
         );
-        return None;
     };
     if ![k1, ke, ky].iter().all(|k| *k > 0.0) {
         return None; // the range was checked before
@@ -273,12 +271,11 @@ fn scaled(
     let second = multipliers.strain(yields[1], yields);
     if second >= curve.end() {
         let [second, end] = [second, curve.end()].map(|strain| significant(strain, 4));
-        mistakes.report_with(
+        return mistakes.refuse(
             &scale.path,
             format!("these multipliers move the second yield point to {second}, beyond the break strain {end}"),
             "with `scale_break = true` in [fabric] the break strain moves along",
         );
-        return None;
     }
     Some(moved.ending_at(curve.end()))
 }
@@ -294,12 +291,9 @@ fn curve(
     if points.is_empty() {
         return None; // the length was checked before
     }
-    let error = match Curve::new(pairs.collect()) {
+    match Curve::new(pairs.collect()) {
         Ok(curve) => return Some(curve),
-        Err(error) => error,
-    };
-    match error {
-        CurveError::StrainNotIncreasing { index, strain, previous } => {
+        Err(CurveError::StrainNotIncreasing { index, strain, previous }) => {
             let hint = match index {
                 0 => format!(
                     "{strain} follows the point (0, 0), which is added before the first: leave out what is not above it"
@@ -311,20 +305,20 @@ fn curve(
                 mistakes.label(&place(before), "the point before it");
             }
         }
-        CurveError::StressFalls { index: 0, .. } => {
+        Err(CurveError::StressFalls { index: 0, .. }) => {
             let hint = "the point (0, 0) is added before the first: film that is stretched without stress has no curve";
             mistakes.report_with(&place(0), "the stress of the curve falls", hint);
         }
-        CurveError::StressFalls { index, .. } => {
+        Err(CurveError::StressFalls { index, .. }) => {
             mistakes.report(&place(index), "the stress of the curve falls");
             if let Some(before) = index.checked_sub(1) {
                 mistakes.label(&place(before), "the point before it");
             }
         }
-        CurveError::NotFinite { index } => {
+        Err(CurveError::NotFinite { index }) => {
             mistakes.report(&place(index), "this point of the curve is not finite");
         }
-        CurveError::TooShort => mistakes.report(path, error.to_string()),
+        Err(error @ CurveError::TooShort) => mistakes.report(path, error.to_string()),
     }
     None
 }
