@@ -257,7 +257,12 @@ pub fn sentence(comparison: &RunComparison) -> String {
         let differences = judged(comparison, run);
         let named = differences.iter().take(MOST_NAMED);
         let named: Vec<String> = named.map(|one| format!("{} {}", one.words(), signed_percent(one.share))).collect();
+        let is_compared = || {
+            let judged = comparison.figures.iter().filter(|figure| is_result(&figure.name));
+            judged.filter_map(|figure| figure.difference(run)).next().is_some()
+        };
         match named.is_empty() {
+            true if !is_compared() => format!("{name} and {first} have no key figure in common."),
             true => format!("{name} has the key figures of {first}."),
             false => format!("{name} against {first}: {}.", named.join(", ")),
         }
