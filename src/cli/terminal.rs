@@ -9,6 +9,7 @@ use base::number::significant;
 use base::written::Reading;
 use report::{Figure, cell, columns};
 use study::codes;
+use study::post;
 use study::script::{Row, RunFindings, ScriptOutput, Warning};
 
 /// The findings of a study whose runs have warnings: one of all of them, and one of each thing that the film's data leave open,
@@ -16,11 +17,11 @@ use study::script::{Row, RunFindings, ScriptOutput, Warning};
 pub(crate) fn findings_of_runs(found: &RunFindings, own: &[Finding]) -> Vec<Finding> {
     let is_warning = |code: &str| {
         let severity = codes::find(code).map_or(Severity::Warning, |code| code.severity);
-        severity == Severity::Warning && !code.starts_with("virtual-") && codes::left_open(code).is_none()
+        severity == Severity::Warning && !code.starts_with("virtual-") && post::left_open(code).is_none()
     };
     let warning = Warning::of_runs(found, is_warning).map(|warning| Finding::new(&warning));
     let left_open = |(code, count): (&String, &usize)| {
-        let known = codes::find(code).filter(|_| codes::left_open(code).is_some())?;
+        let known = codes::find(code).filter(|_| post::left_open(code).is_some())?;
         let message = format!("{count} of {} runs: {}", found.runs, known.meaning);
         let is_new = own.iter().all(|finding| finding.code != *code);
         is_new.then(|| Finding { severity: known.severity, ..Finding::of_script(code, &message) })
@@ -39,9 +40,9 @@ pub(crate) fn findings<'f>(indent: &str, findings: impl IntoIterator<Item = &'f 
 /// The findings of a run: a line each, and one line of those that its film's data leave open in every test.
 pub(crate) fn findings_of_run<'f>(indent: &str, findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let (open, own): (Vec<&Finding>, Vec<&Finding>) =
-        findings.into_iter().partition(|finding| codes::left_open(&finding.code).is_some());
+        findings.into_iter().partition(|finding| post::left_open(&finding.code).is_some());
     let mut text = self::findings(indent, own);
-    let words: Vec<&str> = open.iter().filter_map(|finding| codes::left_open(&finding.code)).collect();
+    let words: Vec<&str> = open.iter().filter_map(|finding| post::left_open(&finding.code)).collect();
     let names: Vec<&str> = open.iter().map(|finding| finding.code.as_str()).collect();
     if !open.is_empty() {
         let _ = writeln!(text, "{indent}what this film's data leave open [{}]: {}", names.join(", "), words.join(", "));
@@ -144,7 +145,7 @@ mod tests {
     #[test]
     fn what_a_films_data_leave_open_is_one_line() {
         let names = ["uncoupled-biaxial", "strain-rate-outside", "break-strain-of-coupons"];
-        assert!(names.iter().all(|name| codes::find(name).is_some() && codes::left_open(name).is_some()));
+        assert!(names.iter().all(|name| codes::find(name).is_some() && post::left_open(name).is_some()));
         let open = names.map(|name| Finding::of_script(name, "65 % of the film"));
         let text = findings_of_run("  ", open.iter().chain([&Finding::new(&Warning::NoTimeColumn)]));
         let line = "  what this film's data leave open [uncoupled-biaxial, strain-rate-outside, break-strain-of-coupons]: coupling of MD and \

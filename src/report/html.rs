@@ -15,6 +15,7 @@ use base::units::Unit;
 use base::written::Reading;
 use plot::viridis::VIRIDIS;
 use study::codes;
+use study::post;
 
 pub(super) use base::markup::escape;
 
@@ -177,14 +178,14 @@ fn whole(title: &str, body: &str, policy: &str, styles: &str, scripts: &[&str]) 
 /// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
 pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let (open, own): (Vec<&Finding>, Vec<&Finding>) =
-        findings.into_iter().partition(|finding| codes::left_open(&finding.code).is_some());
+        findings.into_iter().partition(|finding| post::left_open(&finding.code).is_some());
     let (warned, noted): (Vec<&Finding>, Vec<&Finding>) = own.into_iter().partition(|finding| finding.is_warning());
     let facts = facts.iter().map(|fact| escape(fact));
     let warnings = match items(facts.chain(grouped(&warned))) {
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
     };
-    let mut words: Vec<&str> = open.iter().filter_map(|finding| codes::left_open(&finding.code)).collect();
+    let mut words: Vec<&str> = open.iter().filter_map(|finding| post::left_open(&finding.code)).collect();
     words.dedup();
     let open = match items(grouped(&open).into_iter()) {
         empty if empty.is_empty() => empty,

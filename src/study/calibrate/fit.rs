@@ -11,12 +11,11 @@ use super::plan::Plan;
 use super::test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
-use crate::codes;
 use crate::identify::{
     self, HostSearch, Labels, Method, Phase, Search, SearchError, SearchHost, SearchResult, SignalLabel, failure,
     weigh_at_start,
 };
-use crate::post::VIRTUAL_REFERENCE;
+use crate::post::{VIRTUAL_REFERENCE, left_open};
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use base::finding::Finding;
 use lab::signal::Series;
@@ -433,7 +432,7 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
         for finding in all.filter(|own| own["severity"] == "warning") {
             let [Some(code), Some(message)] = ["code", "message"].map(|key| finding[key].as_str()) else { continue };
             // Of recordings, and of what the film's data leave open, the script says so itself.
-            if code == VIRTUAL_REFERENCE.name || codes::left_open(code).is_some() {
+            if code == VIRTUAL_REFERENCE.name || left_open(code).is_some() {
                 continue;
             }
             let same = found.iter_mut().find_map(|own| match own {

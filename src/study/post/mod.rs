@@ -27,4 +27,4 @@ pub use crate::post::reference::ReferenceComparison;
 pub use crate::post::remedies::failure as failure_message;
 pub use crate::post::results::{EvaluateError, HEADER, Measures, Plan, PrepareError, Results};
 pub use crate::post::run::Run;
-pub use crate::post::warning::{CODES, FAILED_RUN, RunFindings, VIRTUAL_REFERENCE, Warning};
+pub use crate::post::warning::{CODES, FAILED_RUN, RunFindings, VIRTUAL_REFERENCE, Warning, left_open};

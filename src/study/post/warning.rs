@@ -159,3 +159,15 @@ impl Serialize for RunFindings {
         fields.end()
     }
 }
+
+/// What the data of a film leave open in every test of it, by the code of the finding that says so.
+const LEFT_OPEN: [(&str, &str); 3] = [
+    ("uncoupled-biaxial", "coupling of MD and TD"),
+    ("strain-rate-outside", "strain rates"),
+    ("break-strain-of-coupons", "break strain"),
+];
+
+/// What a finding says of the film's data, whatever the run: terminal and page collect these in one line.
+pub fn left_open(code: &str) -> Option<&'static str> {
+    LEFT_OPEN.iter().find(|(name, _)| *name == code).map(|(_, what)| *what)
+}
