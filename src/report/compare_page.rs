@@ -106,7 +106,7 @@ pub fn keys(comparison: &RunComparison) -> Vec<Vec<String>> {
 /// A signal, then the error of each run against the first.
 pub fn errors(comparison: &RunComparison) -> Vec<Vec<String>> {
     // What a table rounds off is no difference.
-    let shown = |error: f64| if error < 1e-9 { "0 %".into() } else { format!("{} %", significant(100.0 * error, 3)) };
+    let shown = |error: f64| if error < 1e-12 { "0 %".into() } else { format!("{} %", significant(100.0 * error, 3)) };
     let value = |value: &Option<f64>| value.map_or_else(|| "-".into(), shown);
     let row = |signals: &ComparedSignal| {
         std::iter::once(quantity(&signals.column)).chain(signals.errors.iter().map(value)).collect()
