@@ -260,7 +260,8 @@ impl Warning {
             | (
                 Warning::DeterminedTogether { parameter: one, .. },
                 Warning::DeterminedTogether { parameter: two, .. },
-            ) => one == two,
+            )
+            | (Warning::MeshLimited { parameter: one, .. }, Warning::MeshLimited { parameter: two, .. }) => one == two,
             _ => false,
         }
     }
