@@ -178,16 +178,25 @@ pub(super) fn add(plan: &mut Plan, simulated: &[Vec<Series>], values: &[f64], se
 }
 
 /// By how much corrections change at two points, one standard deviation of the posterior to either side of its middle: the plan
-/// whose signals have that as an error, too; none where no signal is corrected. A run that fails at either point changes nothing.
-pub(super) fn with_moving(plan: &Plan, points: &[Vec<f64>; 2], session: &Session) -> HostResult<Option<Plan>> {
+/// whose signals have that as an error, too, and the findings of tests that fail there; none where no signal is corrected.
+pub(super) fn with_moving(
+    plan: &Plan,
+    points: &[Vec<f64>; 2],
+    session: &Session,
+) -> HostResult<Option<(Plan, Vec<Warning>)>> {
     let is_corrected = plan.tests.iter().flat_map(|test| &test.signals).any(|signal| signal.errors.mesh().is_some());
     if plan.elements == Elements::Exact || !is_corrected {
         return Ok(None);
     }
     let [above, below] = [&points[0], &points[1]].map(|values| on_elements(plan, &[1.0, FINER], values, session));
     let (above, below) = (above?, below?);
-    let mut plan = plan.clone();
+    let (mut plan, mut warnings) = (plan.clone(), Vec::new());
     for ((test, above), below) in plan.tests.iter_mut().zip(&above).zip(&below) {
+        let failed = above.iter().chain(below).flatten().find_map(|run| run.as_ref().err());
+        if let Some(cause) = failed {
+            warnings.push(Warning::MeshNotFollowed { test: test.name.clone(), cause: cause.clone() });
+            continue;
+        }
         for (place, signal) in test.signals.iter_mut().enumerate() {
             let at = |runs: &[OnElements]| {
                 let means = |run: &OnElements| {
@@ -196,7 +205,10 @@ pub(super) fn with_moving(plan: &Plan, points: &[Vec<f64>; 2], session: &Session
                 };
                 Some(signal.errors.mesh()?.corrected(&means(&runs[0])?, &means(&runs[1])?))
             };
-            let (Some(error), Some(above), Some(below)) = (signal.errors.mesh(), at(above), at(below)) else {
+            let Some(error) = signal.errors.mesh() else { continue };
+            let (Some(above), Some(below)) = (at(above), at(below)) else {
+                let cause = format!("its {} ends before the window", signal.name);
+                warnings.push(Warning::MeshNotFollowed { test: test.name.clone(), cause });
                 continue;
             };
             let moving = vec![(&above - &below) / 2.0, (&above + &below) / 2.0 - &error.correction];
@@ -204,11 +216,11 @@ pub(super) fn with_moving(plan: &Plan, points: &[Vec<f64>; 2], session: &Session
             signal.errors.set_mesh(Some(error));
         }
     }
-    Ok(Some(plan))
+    Ok(Some((plan, warnings)))
 }
 
 /// By how much the corrections move the unknowns, in the linear model of residuals with this Jacobian, and their deviations. What the
-/// corrections are uncertain by is taken out of the covariance again (Sherman and Morrison 1950): it would hide them.
+/// corrections are uncertain by is taken out of the covariance again (Woodbury 1950): it would hide them.
 fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<(Unknown, [f64; 2])> {
     let mut known = information(plan, jacobian);
     let mut pull = DVector::zeros(jacobian.ncols());
@@ -216,14 +228,15 @@ fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<(Unknown, [f6
     for test in &plan.tests {
         for signal in &test.signals {
             let parts = signal.errors.whitened_mesh(share).filter(|_| signal.distance.is_residuals());
-            if let Some([correction, remainder]) = parts {
+            if let Some((correction, doubts)) = parts {
                 let weight = (test.weight * test.of_signals).sqrt();
                 let slopes = jacobian.rows(from, correction.len());
                 pull += slopes.tr_mul(&correction) * weight;
-                let (along, left) = (slopes.tr_mul(&remainder), 1.0 - remainder.norm_squared());
-                if left > 0.0 {
-                    pull += &along * (weight * remainder.dot(&correction) / left);
-                    known += &along * along.transpose() / left;
+                let left = DMatrix::identity(doubts.ncols(), doubts.ncols()) - doubts.tr_mul(&doubts);
+                if let Some(left) = left.cholesky() {
+                    let along = slopes.tr_mul(&doubts);
+                    pull += &along * left.solve(&doubts.tr_mul(&correction)) * weight;
+                    known += &along * left.solve(&along.transpose());
                 }
             }
             from += signal.count();

@@ -63,10 +63,17 @@ findings! {
         MeshNotChecked {
             test: String, "the test" => "test";
             cause: String, "why" => "cause";
-        } = "mesh-not-checked", Warning;
+        } = "mesh-not-checked" as MESH_NOT_CHECKED, Warning;
             meaning "a test cannot be run on elements of half the size, so that nobody knows what its mesh moves the parameters by";
             remedy "run it on a finer mesh by hand, and compare";
             message "{test} was not run on finer elements, {cause}: intervals know nothing of the mesh";
+        /// It fails where the posterior is.
+        MeshNotFollowed {
+            test: String, "the test" => "test";
+            cause: String, "why" => "cause";
+        } = code &MESH_NOT_CHECKED;
+            message "{test} was not run on finer elements at two points of the posterior, {cause}: the error of its mesh counts as \
+                that at the best point";
         AnglesDoNotFollow {
             angles: Vec<String>, "angles of these coupons from MD, degrees" => "angles";
             least: f64, "least mean difference of the law from such a coupon, relative" => "least";

@@ -410,10 +410,11 @@ impl ErrorModel {
         self.mesh.as_ref().map(|own| own.order)
     }
 
-    /// The correction for the elements, and what it is uncertain by, as residuals.
-    pub(super) fn whitened_mesh(&self, share: f64) -> Option<[DVector<f64>; 2]> {
+    /// The correction for the elements, and a column for each part that it is uncertain by, as residuals.
+    pub(super) fn whitened_mesh(&self, share: f64) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let residuals = |own: &DVector<f64>| DVector::from_vec(self.whitened(&self.over_noise(own), share));
-        self.mesh.as_ref().map(|own| [&own.correction, &own.remainder].map(residuals))
+        let own = self.mesh.as_ref()?;
+        Some((residuals(&own.correction), DMatrix::from_columns(&own.doubts().map(residuals).collect::<Vec<_>>())))
     }
 
     /// Differences of the means of a simulated signal, corrected for its elements, from the measured ones.

@@ -152,12 +152,16 @@ impl Posterior {
         let mut so_far = first.begun(from);
         first.refine(&mut so_far, options.rounds)?;
         let points = first.on_either_side(&so_far.samples);
-        let Some(plan) = mesh::with_moving(&from.plan, &points, session)? else { return first.result(so_far) };
+        let Some((plan, warnings)) = mesh::with_moving(&from.plan, &points, session)? else {
+            return first.result(so_far);
+        };
         let plan = Arc::new(plan);
         let sampling = Sampling { refused: first.refused, ..Sampling::new(&plan, from.share, options, host, session) };
         // The surrogates are good already; errors that are wider may ask for wider ones.
         sampling.refine(&mut so_far, 1)?;
-        sampling.result(so_far)
+        let mut found = sampling.result(so_far)?;
+        found.warnings.extend(warnings);
+        Ok(found)
     }
 
     /// Samples of the unknowns; of one that scatters, its mean.
