@@ -9,6 +9,7 @@ mod conversions;
 mod coupling;
 mod coupon_materials;
 mod coupons;
+mod coverage;
 mod diagnostics;
 mod language;
 mod law_fits;

@@ -3,7 +3,8 @@
 //! Nothing here is shared with the engine or with the reduction of recordings: the motion is integrated from the forces
 //! (Runge and Kutta's method of fourth order, ten steps a sample), the coupling of the accelerometer is a state of the
 //! same equations. Film loads as `k dⁿ / (1 + (d/s)²)`, which softens, and unloads more steeply from a travel that
-//! remains; neither is the law that the reduction fits.
+//! remains; neither is the law that the reduction fits. After contact the motion may instead be given ([`Given`]), as
+//! another simulation has it.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -71,6 +72,27 @@ pub struct Truth {
     pub absorption: f64,
 }
 
+/// A motion after contact that was found elsewhere.
+#[derive(Clone, Debug)]
+pub struct Given {
+    /// Impact speed, m/s.
+    pub speed: f64,
+    /// Time between values, s.
+    pub step: f64,
+    /// Acceleration of the impactor, m/s², positive upward, from contact on.
+    pub acceleration: Vec<f64>,
+}
+
+impl Given {
+    /// At a time after contact, linear between values.
+    fn at(&self, t: f64) -> f64 {
+        let place = (t / self.step).clamp(0.0, (self.acceleration.len() - 1) as f64);
+        let (index, share) = (place as usize, place.fract());
+        let next = (index + 1).min(self.acceleration.len() - 1);
+        self.acceleration[index] + share * (self.acceleration[next] - self.acceleration[index])
+    }
+}
+
 /// A recording, and what happened.
 #[derive(Clone, Debug)]
 pub struct Recording {
@@ -116,6 +138,22 @@ impl Setup {
 
     /// The drop, recorded.
     pub fn record(&self) -> Recording {
+        self.recorded(Contact::Film(Film::of(self)))
+    }
+
+    /// A drop from the height that leads to the given speed, and goes on as given.
+    pub fn record_given(&self, given: &Given) -> Recording {
+        let met = Contact::Given { given, since: None };
+        let (mut state, mut t, step) = (State { place: 0.0, velocity: 0.0, held: 0.0 }, 0.0, 1e-5);
+        while -state.velocity < given.speed {
+            (state, t) = (self.advanced(t, step, &state, &met), t + step);
+        }
+        // What the last step fell too far.
+        let height = -state.place - (-state.velocity - given.speed) * given.speed / GRAVITY;
+        Setup { height, ..self.clone() }.recorded(met)
+    }
+
+    fn recorded(&self, mut met: Contact<'_>) -> Recording {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5eed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
         let step = 1.0 / self.rate;
@@ -123,7 +161,6 @@ impl Setup {
         let release = self.rest + normal().abs().fract() * step;
         let zero = LASER_ZERO * normal();
         let height = self.height + HEIGHT_ERROR * normal();
-        let mut film = Film::of(self);
         let (mut state, mut t) = (State { place: self.height, velocity: 0.0, held: 0.0 }, 0.0);
         let (mut time, mut accelerometer, mut laser) = (vec![], vec![], vec![]);
         let mut contact = None;
@@ -135,7 +172,7 @@ impl Setup {
                 break;
             }
             if i % OVERSAMPLING == 0 {
-                let read = self.acceleration(t - release, &state, &film) - self.coupling * state.held;
+                let read = self.acceleration(t - release, &state, &met) - self.coupling * state.held;
                 let read = read + self.offset + self.drift * t + self.noise * normal();
                 let seen = state.place + zero + LASER_NOISE * normal();
                 time.push(t);
@@ -143,17 +180,23 @@ impl Setup {
                 let is_seen = (LASER_RANGE[0]..=LASER_RANGE[1]).contains(&seen);
                 laser.push(if is_seen { (seen / LASER_STEP).round() * LASER_STEP } else { f64::NAN });
             }
-            let next = self.advanced(t - release, fine, &state, &film);
+            let next = self.advanced(t - release, fine, &state, &met);
             if contact.is_none() && next.place <= 0.0 {
                 let share = state.place / (state.place - next.place);
                 let speed = state.velocity + share * (next.velocity - state.velocity);
                 contact = Some([t + share * fine, -speed]);
+                if let Contact::Given { given, since } = &mut met {
+                    *since = Some(t + share * fine - release);
+                    end = t + (given.acceleration.len() - 1) as f64 * given.step;
+                }
                 energies = Energies::at([-speed, 0.0]);
             }
             if let Some([since, _]) = contact {
                 energies.add([next.velocity, next.place], next.place < travel);
                 travel = travel.min(next.place);
-                film.pressed(-next.place);
+                if let Contact::Film(film) = &mut met {
+                    film.pressed(-next.place);
+                }
                 if end == LONGEST && state.velocity < 0.0 && next.velocity >= 0.0 {
                     end = t + 2.0 * (t - since) + 0.05;
                 }
@@ -166,13 +209,18 @@ impl Setup {
     }
 
     /// Acceleration (upward) at a time after the release, without what the holding force balances.
-    fn acceleration(&self, t: f64, state: &State, film: &Film) -> f64 {
+    fn acceleration(&self, t: f64, state: &State, met: &Contact<'_>) -> f64 {
         if t < 0.0 {
             return 0.0;
         }
+        let force = match met {
+            Contact::Film(film) => film.force(-state.place, state.velocity),
+            Contact::Given { given, since: Some(since) } => return given.at(t - since),
+            Contact::Given { since: None, .. } => 0.0,
+        };
         let s = (t / self.release.max(1e-9)).min(1.0);
         let hold = if self.is_linear { 1.0 - s } else { 0.5 * (1.0 + (std::f64::consts::PI * s).cos()) };
-        let driving = film.force(-state.place, state.velocity) - GRAVITY * (1.0 - hold);
+        let driving = force - GRAVITY * (1.0 - hold);
         let friction = self.friction * GRAVITY;
         match state.velocity {
             0.0 if driving.abs() <= friction => 0.0,
@@ -181,9 +229,9 @@ impl Setup {
         }
     }
 
-    fn advanced(&self, t: f64, h: f64, state: &State, film: &Film) -> State {
+    fn advanced(&self, t: f64, h: f64, state: &State, met: &Contact<'_>) -> State {
         let slope = |t: f64, s: &State| {
-            let a = self.acceleration(t, s, film);
+            let a = self.acceleration(t, s, met);
             State { place: s.velocity, velocity: a, held: a - self.coupling * s.held }
         };
         let k1 = slope(t, state);
@@ -210,6 +258,16 @@ impl State {
             held: self.held + h * slope.held,
         }
     }
+}
+
+/// What the impactor meets.
+enum Contact<'a> {
+    Film(Film),
+    /// Since when after the release, s.
+    Given {
+        given: &'a Given,
+        since: Option<f64>,
+    },
 }
 
 /// Film, its force over the mass.

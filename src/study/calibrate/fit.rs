@@ -1,5 +1,7 @@
 //! The search of a calibration: stage by stage, again with the model's error that it leaves, and linearized at its end.
 
+use std::time::{Duration, Instant};
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde_json::Value;
@@ -18,6 +20,7 @@ use crate::identify::{
 use crate::post::{VIRTUAL_REFERENCE, left_open};
 use crate::script::{HostResult, Session, cause, check_stop, refuse};
 use base::finding::Finding;
+use base::number::wall_time;
 use lab::signal::Series;
 use scene::simulate::COARSE_CONTACT;
 
@@ -25,6 +28,8 @@ use scene::simulate::COARSE_CONTACT;
 const LEAST_SMOOTH: f64 = 0.01;
 /// Searches with the noise and the model's error that the last one leaves, at most.
 const ROUNDS: usize = 3;
+/// About how many runs of each test a search takes for each unknown, with its starts and the searches after the first.
+const RUNS_OF_A_SEARCH: usize = 40;
 /// Logarithm of a likelihood over another from which on it counts as larger.
 const LIKELIER: f64 = 2.0;
 /// Change of their logarithms below which the search is not repeated.
@@ -65,7 +70,9 @@ impl Fit {
     /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
     pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
         let mut values = plan.start();
+        let begin = Instant::now();
         let simulated = simulated_at(plan, &values, session)?;
+        host.tell(&beforehand(plan, begin.elapsed()));
         add_roughness(plan, &simulated);
         let mut so_far = SoFar::default();
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
@@ -124,6 +131,16 @@ impl Fit {
         findings.extend(runs.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
+}
+
+/// What is ahead, by the time that the first run of all tests took.
+fn beforehand(plan: &Plan, first: Duration) -> String {
+    let (tests, unknowns, cores) = (plan.tests.len(), plan.unknowns.len(), rayon::current_num_threads());
+    let runs = RUNS_OF_A_SEARCH * unknowns;
+    // All tests at once on all cores; a search of many runs has none idle.
+    let each = first.as_secs_f64() * tests.min(cores) as f64 / cores as f64;
+    let time = wall_time(each * runs as f64);
+    format!("{}: {unknowns} unknowns, some {runs} runs of each test ahead, about {time} at the elements of the scenarios", plan.title())
 }
 
 /// Searches with the noise and the model's error that the last search leaves, until both stay: the last search, the signals at its

@@ -245,10 +245,14 @@ impl Plan {
 
     /// Whether the plan of one model is also that of the other.
     pub fn is_common(one: &Model, other: &Model) -> bool {
+        // What a raw recording is reduced with: not the friction on the film, which searches vary.
+        let reduced_with = |model: &Model| -> Vec<(Option<String>, f64, [f64; 3])> {
+            model.impactors.iter().map(|own| (own.name.clone(), own.mass, own.velocity)).collect()
+        };
         one.reference == other.reference
             && one.post == other.post
             && one.output == other.output
-            && one.impactors == other.impactors
+            && reduced_with(one) == reduced_with(other)
             && one.loading == other.loading
     }
 
