@@ -33,8 +33,8 @@ pub enum Support {
     Refused(&'static str),
 }
 
-/// Writes the formats, a row each: name and endings; then `read by` what lists the channels of a file and knows its first bytes, and what
-/// becomes of its parts, or `refused`, the conversion that helps and by which first bytes the format is known.
+/// Writes the formats, a row each: name and endings; then `read by` its module, of which `open` lists the channels of a file and `is_own`
+/// knows its first bytes, and what becomes of its parts, or `refused`, the conversion that helps and by which first bytes the format is known.
 macro_rules! formats {
     ($($name:literal $endings:literal $how:ident $(by $module:ident)? $text:literal $(if $is_own:expr)?;)+) => {
         /// All formats, those that are read first.

@@ -1,4 +1,4 @@
-//! Observers of a run, and the state that they are shown.
+//! Observers of a run, the state that they are shown, and the energies of that state, term by term.
 
 use std::ops::Range;
 

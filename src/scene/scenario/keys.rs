@@ -1,4 +1,5 @@
-//! The tables of a file, a key a row: its sentence, its type, and behind commas what it may be and what it is where it is left out.
+//! The tables of a file, a key a row: its sentence, its type, which gives the unit (`base::units`), and behind commas its bounds and its
+//! default.
 
 /// Declares tables and choices, as the structs and enums that a file is decoded into, with what schema, validator and `explain` say of
 /// them.

@@ -1,4 +1,4 @@
-//! The bounds that a run is checked against while it steps.
+//! The bounds that a run is checked against while it steps, and the findings that it has at its end.
 
 use std::collections::BTreeMap;
 

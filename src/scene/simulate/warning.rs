@@ -1,4 +1,4 @@
-//! Warnings of a run.
+//! Findings of a run, with what `explain` says of each, and their bounds; `monitor.rs` reports them.
 
 use std::fmt;
 

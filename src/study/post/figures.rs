@@ -1,4 +1,5 @@
-//! The figures by which runs are judged, compared and ranked, and that pages begin with.
+//! The names of all figures of a run; its headlines, by which runs are judged, compared and ranked; the sentence that its page
+//! begins with.
 
 use std::sync::LazyLock;
 

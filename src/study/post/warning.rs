@@ -1,4 +1,5 @@
-//! Warnings of the comparison with a reference and of the comparison of runs, and the findings of a run.
+//! Findings of the comparison with a reference and of the comparison of runs; the list of all findings of a run, whose own ones are
+//! declared in `scene::simulate`.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};

@@ -1,4 +1,4 @@
-//! Impulses of a step: their friction, their sums and work.
+//! Impulses of a step: their sums and work, and the coefficients of friction, which node and face contact apply.
 
 use std::ops::Add;
 

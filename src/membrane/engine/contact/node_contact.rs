@@ -1,4 +1,4 @@
-//! Node contact: predictor and corrector over the nodes of the neighbour list, a lane a node.
+//! Node contact with Coulomb's friction: predictor and corrector over the nodes of the neighbour list, a lane a node.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,4 @@
-//! Rigid bodies and jaws: indentation, impact and stretch.
+//! Indentation, impact and stretch: rigid bodies and jaws, and the channels of their signals.
 
 use nalgebra::Isometry3;
 
