@@ -28,8 +28,9 @@ use scene::simulate::COARSE_CONTACT;
 const LEAST_SMOOTH: f64 = 0.01;
 /// Searches with the noise and the model's error that the last one leaves, at most.
 const ROUNDS: usize = 3;
-/// About how many runs of each test a search takes for each unknown, with its starts and the searches after the first.
-const RUNS_OF_A_SEARCH: usize = 40;
+/// About how many runs of each test a search takes for each unknown, at least and at most, with its starts and the searches after
+/// the first.
+const RUNS_OF_A_SEARCH: [usize; 2] = [40, 100];
 /// Logarithm of a likelihood over another from which on it counts as larger.
 const LIKELIER: f64 = 2.0;
 /// Change of their logarithms below which the search is not repeated.
@@ -133,14 +134,25 @@ impl Fit {
     }
 }
 
-/// What is ahead, by the time that the first run of all tests took.
+/// What is ahead: runs, and how long they take by the time of the first run of all tests, unless that was kept from a former
+/// study.
 fn beforehand(plan: &Plan, first: Duration) -> String {
     let (tests, unknowns, cores) = (plan.tests.len(), plan.unknowns.len(), rayon::current_num_threads());
-    let runs = RUNS_OF_A_SEARCH * unknowns;
-    // All tests at once on all cores; a search of many runs has none idle.
+    // All tests at once may leave cores idle; the runs of a search do not. Stages on larger elements cost little.
     let each = first.as_secs_f64() * tests.min(cores) as f64 / cores as f64;
-    let time = wall_time(each * runs as f64);
-    format!("{}: {unknowns} unknowns, some {runs} runs of each test ahead, about {time} at the elements of the scenarios", plan.title())
+    let cheap = if plan.stages.is_empty() { 1.0 } else { 0.5 };
+    let some = |[least, most]: [usize; 2], share: f64| {
+        let (shortest, longest) = (each * share * least as f64, each * most as f64);
+        let time = match shortest {
+            ..1.0 => String::new(),
+            _ => format!(" ({} to {})", wall_time(shortest), wall_time(longest)),
+        };
+        format!("some {least} to {most} runs of each test{time}")
+    };
+    let search = some(RUNS_OF_A_SEARCH.map(|runs| runs * unknowns), cheap);
+    // A first round and its check, and what up to six more add.
+    let posterior = some([16 * (unknowns + 1), 40 * (unknowns + 1)], 1.0);
+    format!("{}: {unknowns} unknowns; the search takes {search}, a posterior {posterior}", plan.title())
 }
 
 /// Searches with the noise and the model's error that the last search leaves, until both stay: the last search, the signals at its
@@ -481,14 +493,13 @@ pub(super) fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge], basis: &'a str)
                 Some(Warning::DeterminedTogether { parameter, others, half_width, half_width_alone, basis })
             }
             Verdict::MeshLimited => {
-                let place = plan.unknowns.iter().position(|own| own.name == unknown.name)?;
                 let half = verdict::NORMAL_95 * known.deviation;
                 let moved = if plan.parameter_of(unknown).is_logarithmic {
                     known.mesh_shift.exp_m1()
                 } else {
                     known.mesh_shift
                 };
-                let sizes = mesh::sizes(plan, place, known.mesh_shift, half);
+                let sizes = mesh::sizes(plan, unknown, known.mesh_shift, half);
                 let coarse = plan.mesh.coarse_of(plan, unknown).map(|test| plan.tests[test].name.clone()).collect();
                 Some(Warning::MeshLimited { parameter, moved, half_width, coarse, sizes, basis })
             }

@@ -9,7 +9,6 @@ use rayon::prelude::*;
 
 use super::parameter::Unknown;
 use super::plan::Plan;
-use super::test::Test;
 use super::verdict::{information, inverse};
 use super::warning::Warning;
 use crate::script::{HostResult, Session, cause, check_stop};
@@ -250,19 +249,21 @@ fn shifts(plan: &Plan, jacobian: &DMatrix<f64>, share: f64) -> Vec<(Unknown, [f6
     plan.unknowns.iter().enumerate().map(of).collect()
 }
 
-/// The sizes that the elements of the tests of an unknown should have, where it may move by `half` and is moved by `shift`.
-pub(super) fn sizes(plan: &Plan, unknown: usize, shift: f64, half: f64) -> Vec<String> {
-    let size = |test: &Test| {
-        let is_meshed = test.pull.is_none() && test.signals.iter().any(|signal| signal.distance.is_residuals());
-        if !is_meshed {
+/// The sizes that the elements of the tests of an unknown should have, where it may move by `half` and is moved by `shift`; half
+/// the size of a test whose signals say nothing of that, and whose elements are coarse.
+pub(super) fn sizes(plan: &Plan, unknown: &Unknown, shift: f64, half: f64) -> Vec<String> {
+    let size = |place: usize| {
+        let test = &plan.tests[place];
+        let is_compared = test.signals.iter().any(|signal| signal.distance.is_residuals());
+        if test.pull.is_some() || !(is_compared || plan.mesh.coarse.contains(&place)) {
             return None;
         }
         let order = test.signals.iter().filter_map(|signal| signal.errors.mesh_order()).fold(ORDERS[1], f64::min);
-        let factor = (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER);
+        let factor = if is_compared { (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER) } else { FINER };
         let own = test.study.smallest_element()?;
         Some(format!("{} mm for {}", significant(1e3 * factor * own, 2), test.name))
     };
-    plan.tests_of(&plan.unknowns[unknown]).into_iter().filter_map(|test| size(&plan.tests[test])).collect()
+    plan.tests_of(unknown).into_iter().filter_map(size).collect()
 }
 
 #[cfg(test)]
