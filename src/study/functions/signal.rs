@@ -1,5 +1,7 @@
 //! Signals in scripts, measures of them, random numbers and thresholds.
 
+use std::sync::{Arc, Mutex};
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -53,9 +55,9 @@ pub(crate) fn register(engine: &mut Engine) {
         .register_fn("values", |context: NativeCallContext, s: &mut Series| list(&context, s.values()))
         .register_type_with_name::<Stream>("random")
         // By its bits, so that a negative number is a seed too.
-        .register_fn("random", |seed: INT| Stream::seed_from_u64(seed.cast_unsigned()))
-        .register_fn("uniform", |stream: &mut Stream| -> f64 { StandardUniform.sample(stream) })
-        .register_fn("normal", |stream: &mut Stream| -> f64 { StandardNormal.sample(stream) })
+        .register_fn("random", |seed: INT| Stream::new(ChaCha8Rng::seed_from_u64(seed.cast_unsigned()).into()))
+        .register_fn("uniform", |stream: &mut Stream| -> f64 { StandardUniform.sample(&mut *base::lock(stream)) })
+        .register_fn("normal", |stream: &mut Stream| -> f64 { StandardNormal.sample(&mut *base::lock(stream)) })
         .register_fn("normals", normals)
         .register_fn("threshold", threshold);
     engine.register_fn("-", |s: Series| map(&s, |v| -v));
@@ -201,14 +203,16 @@ fn list(context: &NativeCallContext, numbers: &[f64]) -> HostResult<Array> {
 /// Most numbers that are drawn at once, the limit of lists.
 const MOST: INT = 10_000;
 
-/// A stream of random numbers.
-type Stream = ChaCha8Rng;
+/// A stream of random numbers. Shared, since functions of scripts get copies of what they are given: each draws the next numbers
+/// of the same stream.
+type Stream = Arc<Mutex<ChaCha8Rng>>;
 
 fn normals(stream: &mut Stream, count: INT) -> Result<Array, Box<EvalAltResult>> {
     if !(0..=MOST).contains(&count) {
         return Err(refuse!("expected a count of 0 to {MOST} random numbers, found {count}"));
     }
-    let draw = |_| -> f64 { StandardNormal.sample(stream) };
+    let mut stream = base::lock(stream);
+    let draw = |_| -> f64 { StandardNormal.sample(&mut *stream) };
     Ok((0..count).map(draw).map(Dynamic::from).collect())
 }
 
