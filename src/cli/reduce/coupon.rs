@@ -17,11 +17,12 @@ use base::finding::Finding;
 use base::number::significant;
 use base::units::{Density, Length, Velocity};
 use lab::Error;
+use lab::error::Kind;
 use lab::experiment::Warning;
 use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{
     BREAK_SHARE, Coupon, CouponReader, CouponTest, CurveEnd, Dimensions, Direction, DirectionMeans, Label, Reduction,
-    Rules, ShearMethod, SpeedMeans, WINDOW,
+    Rules, ShearMethod, SpeedMeans, WINDOW, join_speeds,
 };
 use lab::experiment::material_file::coupon::{CouponMaterial, GivenShear};
 use lab::signal::file::ChannelSelection;
@@ -114,8 +115,28 @@ pub(crate) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduce
     check_dimensions(args).map_err(Diagnostic::new)?;
     let reader = reader(args, velocity)?;
     let paths = paths(&args.recordings)?;
-    let tests =
-        all(paths.iter().map(|path| reader.read_all(path).map_err(|error| failure::recording(&error))))?.concat();
+    let (mut tests, mut refused, mut unlabelled) = (Vec::new(), Vec::new(), Vec::new());
+    for path in &paths {
+        match reader.read_all(path) {
+            Ok(read) => tests.extend(read),
+            Err(error) if *error.kind() == Kind::NoLabel => unlabelled.push((path, error)),
+            Err(error) => refused.push(failure::recording(&error)),
+        }
+    }
+    // What none of many files states is asked for once.
+    let mut asked = unlabelled.iter().map(|(_, error)| error.message()).collect::<Vec<_>>();
+    asked.sort_unstable();
+    asked.dedup();
+    refused.extend(asked.into_iter().map(|message| {
+        let those = unlabelled.iter().filter(|(_, error)| error.message() == message);
+        let files: Vec<String> = those.clone().map(|(path, _)| shown_path(path)).collect();
+        failure::hinted(
+            &format!("{}: {message}", files.join(", ")),
+            those.map(|(_, error)| error.hint()).next().flatten(),
+        )
+    }));
+    failure::refuse(refused)?;
+    join_speeds(&mut tests);
     let coupon = mean(&tests).map_err(|error| Diagnostic::new(error.to_string()))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
     let reduction =
@@ -344,7 +365,10 @@ fn text(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> String {
         0 => String::new(),
         count => format!(", {count} of them VIRTUAL"),
     };
-    let mut text = format!("{} recordings{virtual_ones}\n", reduction.recordings());
+    let mut text = match reduction.recordings() {
+        1 => format!("1 recording{virtual_ones}\n"),
+        count => format!("{count} recordings{virtual_ones}\n"),
+    };
     text.extend(tests.iter().filter_map(specimen_text));
     text.extend(reduction.directions.iter().map(direction_text));
     if let Some(modulus) = reduction.modulus {
@@ -411,7 +435,8 @@ fn with_deviation(of: SampleStatistics, factor: f64, unit: &str) -> String {
 fn warnings(reduced: &Reduced) -> Vec<Warning> {
     let tests = &reduced.tests;
     let under_load = tests.iter().filter(|test| test.sample.rupture.ending == CurveEnd::RecordEnded);
-    let under_load = under_load.map(|test| Warning::RecordEndsUnderLoad { path: test.place() });
+    let under_load: Vec<PathBuf> = under_load.map(CouponTest::place).collect();
+    let under_load = (!under_load.is_empty()).then_some(Warning::RecordEndsUnderLoad { paths: under_load });
     let merged = tests.iter().filter(|test| test.merged > 0);
     let merged = merged.map(|test| Warning::MergedSamples { path: test.place(), samples: test.merged });
     let no_yield = reduced.reduction.directions.iter().filter_map(|along| {
@@ -433,8 +458,19 @@ fn warnings(reduced: &Reduced) -> Vec<Warning> {
     let ratios = tests.iter().filter(is_along).map(|test| test.coupon.width() / test.coupon.gauge());
     let ratio = ratios.fold(0.0, f64::max);
     let held = (ratio > MOST_WIDTH).then_some(Warning::CouponHeldInWidth { ratio });
-    let doubts = under_load.chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
+    let speeds = stated_otherwise(tests);
+    let doubts =
+        speeds.into_iter().chain(under_load).chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
     doubts.chain(speeds_not_measured(reduced)).collect()
+}
+
+/// Speeds of names or headers that time and travel contradict.
+fn stated_otherwise(tests: &[CouponTest]) -> Option<Warning> {
+    let stated = |test: &CouponTest| Some((test.place(), test.measured??, test.sample.velocity));
+    let all: Vec<(PathBuf, f64, f64)> = tests.iter().filter_map(stated).collect();
+    let (paths, stated) = all.iter().map(|(path, stated, _)| (path.clone(), *stated)).unzip();
+    let measured = all.iter().map(|(_, _, measured)| *measured).collect();
+    (!all.is_empty()).then_some(Warning::SpeedStatedOtherwise { paths, stated, measured })
 }
 
 /// Speeds at which some directions were measured and others not.

@@ -150,11 +150,20 @@ findings! {
             message "the acceleration went through CFC {class} before, as its file states, and is filtered again with \
                 CFC {again}";
         RecordEndsUnderLoad {
-            path: PathBuf, "the recording" => "file" = shown_path(path);
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
         } = "record-ends-under-load", Warning;
             meaning "a coupon was still under load at the end of its recording, which counts as its break";
             remedy "record until the coupon breaks; strength and elongation may be too small";
-            message "{}: the record ends under load; its end counts as the break", shown_path(path);
+            message "the record ends under load, and its end counts as the break: {}", shown(paths).join("; ");
+        SpeedStatedOtherwise {
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
+            stated: Vec<f64>, "by names or headers, m/s" => "stated_m_s";
+            measured: Vec<f64>, "by time and travel, m/s" => "measured_m_s";
+        } = "speed-stated-otherwise", Warning;
+            meaning "the name or the header of a coupon's recording states another speed of the jaws than its time and travel show";
+            remedy "correct the name or the header, or give --velocity; the speed of time and travel counts";
+            message "time and travel show {} m/s, name or header state {} m/s, which is not used: {}",
+                speeds(measured), speeds(stated), shown(paths).join("; ");
         HeadReplaced {
             path: PathBuf, "the recording" => "file" = shown_path(path);
             what: String, "what replaces what";
@@ -288,6 +297,17 @@ findings! {
             remedy "give --density and --thickness, or write them into the file or into the scenario that names it";
             message "the material file lacks {keys}: not given";
     }
+}
+
+fn shown(paths: &[PathBuf]) -> Vec<String> {
+    paths.iter().map(|path| shown_path(path)).collect()
+}
+
+/// Speeds, each once.
+fn speeds(speeds: &[f64]) -> String {
+    let mut words: Vec<String> = speeds.iter().map(|speed| significant(*speed, 3)).collect();
+    words.dedup();
+    words.join(", ")
 }
 
 fn bridged(count: usize) -> String {

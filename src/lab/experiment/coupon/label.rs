@@ -21,10 +21,30 @@ pub struct Label {
     pub velocity: Option<f64>,
 }
 
+/// What a test is labelled with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Labelled {
+    /// Direction of the coupon.
+    pub direction: Direction,
+    /// Speed of the jaws apart, m/s.
+    pub velocity: f64,
+    /// Whether that is the speed of time and travel, and what else name or header state, m/s.
+    pub measured: Option<Option<f64>>,
+}
+
+/// Largest difference of two speeds of jaws that are one, over the speed.
+pub const SAME_SPEED: f64 = 0.1;
+
+/// Whether two speeds are one but for errors of time and travel.
+pub fn is_near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_SPEED * a.abs().max(b.abs())
+}
+
 /// Direction and speed (m/s) of a test: what is `given` counts before what the file states, in the lines of its header
-/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name counts where it
-/// is direction, speed in m/s up to [`FASTEST`] and, perhaps, a number: `md-0.02-3`.
-pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, f64), Error> {
+/// (`direction: MD`, `velocity: 0.02 m/s`) or in its name without the ending, which must agree. A name states the
+/// direction (`MD_3`, `MD 3`), and a speed in m/s up to [`FASTEST`] where it is `md-0.02` or `md-0.02-3`. The speed that
+/// time and travel of the jaws have `measured` counts where none is stated, or another.
+pub fn label(name: &str, header: &[String], given: Label, measured: Option<f64>) -> Result<Labelled, Error> {
     let (named, headed) = (named(name), headed(header, given)?);
     let direction = match (given.direction, named.direction, headed.direction) {
         (Some(given), _, _) => given,
@@ -33,17 +53,44 @@ pub fn label(name: &str, header: &[String], given: Label) -> Result<(Direction, 
             header.or(name).ok_or_else(|| not_known("direction of the coupon", "direction", "MD"))?
         }
     };
-    let velocity = match (given.velocity, named.velocity, headed.velocity) {
-        (Some(given), _, _) => given,
-        (None, Some(name), Some(header)) if !is_same_speed(name, header) => {
+    if let Some(velocity) = given.velocity {
+        return Ok(Labelled { direction, velocity, measured: None });
+    }
+    let stated = match (named.velocity, headed.velocity) {
+        (Some(name), Some(header)) if !is_same_speed(name, header) => {
             let [name, header] = [name, header].map(|speed| format!("{} m/s", significant(speed, 6)));
             return Err(differ(name, header));
         }
-        (None, name, header) => {
-            header.or(name).ok_or_else(|| not_known("speed of the jaws", "velocity", "0.02 m/s"))?
-        }
+        (name, header) => header.or(name),
     };
-    Ok((direction, velocity))
+    let (velocity, measured) = match (stated, measured) {
+        (Some(stated), Some(measured)) if !is_near(stated, measured) => (measured, Some(Some(stated))),
+        (Some(stated), _) => (stated, None),
+        (None, Some(measured)) => (measured, Some(None)),
+        (None, None) => return Err(not_known("speed of the jaws", "velocity", "0.02 m/s")),
+    };
+    Ok(Labelled { direction, velocity, measured })
+}
+
+/// Parts of a pull whose speeds are compared, and how many samples each has at least.
+const PARTS: usize = 20;
+
+/// Speed of the jaws (m/s) from their travel (m) over time (s); none where it changes, as that of an extensometer does.
+pub fn measured_speed(time: &[f64], travel: &[f64]) -> Option<f64> {
+    let last = time.len().min(travel.len()).checked_sub(1)?;
+    let at = |part: usize| part * last / PARTS;
+    let slope = |part: usize| {
+        let [from, to] = [at(part), at(part + 1)];
+        (travel[to] - travel[from]) / (time[to] - time[from])
+    };
+    if last < PARTS {
+        return None;
+    }
+    let mut slopes: Vec<f64> = (0..PARTS).map(slope).filter(|slope| slope.is_finite()).collect();
+    slopes.sort_by(f64::total_cmp);
+    let [low, speed, high] = [1, 2, 3].map(|quarter| slopes.get(quarter * slopes.len() / 4).copied());
+    let (low, speed, high) = (low?, speed?, high?);
+    (low > 0.0 && is_near(low, speed) && is_near(speed, high)).then_some(speed)
 }
 
 /// The refusal of a name and a header that state different values.
@@ -54,7 +101,7 @@ fn differ<T: std::fmt::Display>(name: T, header: T) -> Error {
 
 /// The refusal of a test of which neither name nor header states a value, and none is given.
 fn not_known(what: &str, key: &str, example: &str) -> Error {
-    let hint = format!("write `# {key}: {example}` into its header, name it like md-0.02-1.csv, or give --{key}");
+    let hint = format!("write `# {key}: {example}` into the header, name the file like md-0.02-1.csv, or give --{key}");
     refusal!("the {what} is not known").with_hint(hint).with_kind(Kind::NoLabel)
 }
 
@@ -63,17 +110,20 @@ pub fn is_same_speed(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
-/// Direction and speed of a name of the form `<direction>-<speed>` or `<direction>-<speed>-<number>`; a date is no
-/// speed.
+/// Direction of a name such as `MD 3`, and the speed of one such as `md-0.02` or `md-0.02-3`. A whole number alone may
+/// be that of the specimen; a date is no speed.
 fn named(name: &str) -> Label {
-    let parts: Vec<&str> = name.split('-').collect();
+    let parts: Vec<&str> = name.split(['-', '_', ' ']).collect();
     let (direction, velocity) = match parts[..] {
-        [direction, velocity] => (direction, velocity),
-        [direction, velocity, number] if is_digits(number) => (direction, velocity),
+        [direction] => (direction, None),
+        [direction, number] if is_digits(number) => (direction, None),
+        [direction, velocity] => (direction, Some(velocity)),
+        [direction, velocity, number] if is_digits(number) => (direction, Some(velocity)),
         _ => return Label::default(),
     };
-    match (direction.parse(), speed(velocity)) {
-        (Ok(direction), Some(velocity)) => Label { direction: Some(direction), velocity: Some(velocity) },
+    match (direction.parse(), velocity.map(speed)) {
+        (Ok(direction), Some(Some(velocity))) => Label { direction: Some(direction), velocity: Some(velocity) },
+        (Ok(direction), None) => Label { direction: Some(direction), velocity: None },
         _ => Label::default(),
     }
 }
@@ -199,7 +249,7 @@ mod tests {
 
     fn labelled(name: &str, header: &[&str]) -> Result<(Direction, f64), Error> {
         let header: Vec<String> = header.iter().map(|line| (*line).to_owned()).collect();
-        label(name, &header, Label::default())
+        label(name, &header, Label::default(), None).map(|found| (found.direction, found.velocity))
     }
 
     #[test]
@@ -226,7 +276,8 @@ mod tests {
     fn missing_and_contradictory_labels_are_refused() {
         for (name, header, expected) in [
             ("sample", &[][..], "the direction of the coupon is not known"),
-            ("md", &[], "the direction of the coupon is not known"),
+            ("md", &[], "the speed of the jaws is not known"),
+            ("MD_1", &[], "the speed of the jaws is not known"),
             ("md", &["direction: MD"], "the speed of the jaws is not known"),
             ("md-0.02-1", &["direction: TD"], "its name states MD, its header TD"),
             ("md-0.02-1", &["velocity: 0.2 m/s"], "its name states 0.02 m/s, its header 0.2 m/s"),
@@ -256,7 +307,26 @@ mod tests {
     fn given_values_take_precedence() {
         let given = Label { direction: Some(Direction::D3), velocity: Some(1.0) };
         let header = ["direction: north".to_owned(), "velocity: 3 kg".to_owned()];
-        assert_eq!(label("md-0.02", &header, given), Ok((Direction::D3, 1.0)));
+        let found = label("md-0.02", &header, given, Some(0.5)).unwrap();
+        assert_eq!((found.direction, found.velocity), (Direction::D3, 1.0));
+    }
+
+    #[test]
+    fn the_speed_of_time_and_travel_counts() {
+        let found = |name: &str, measured| {
+            let found = label(name, &[], Label::default(), measured).unwrap();
+            (found.direction, found.velocity, found.measured)
+        };
+        for name in ["MD_1", "MD 1", "md-1", "md-2", "md"] {
+            assert_eq!(found(name, Some(0.0083)), (Direction::Md, 0.0083, Some(None)), "{name}");
+        }
+        assert_eq!(found("45deg-0.02-1", Some(0.0199)), (Direction::D3, 0.02, None));
+        assert_eq!(found("td-1-3", Some(0.0083)), (Direction::Td, 0.0083, Some(Some(1.0))));
+        let time: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+        let even: Vec<f64> = time.iter().map(|t| 0.0083 * t + 1e-7 * (1e3 * t).sin()).collect();
+        assert!(is_near(measured_speed(&time, &even).unwrap(), 0.0083));
+        let uneven: Vec<f64> = time.iter().map(|t| 0.0083 * t * t).collect();
+        assert_eq!([measured_speed(&time, &uneven), measured_speed(&time[..9], &even)], [None; 2]);
     }
 
     #[test]

@@ -14,7 +14,9 @@ mod yield_points;
 pub(crate) use curve::too_short;
 pub use curve::{Curve, JITTER, relative_residuals};
 pub use label::{Direction, FASTEST, Label};
-pub use recording::{CouponReader, CouponTest, Dimensions, LoadCell, Machine, SpecimenNote, TensileRecord};
+pub use recording::{
+    CouponReader, CouponTest, Dimensions, LoadCell, Machine, SpecimenNote, TensileRecord, join_speeds,
+};
 pub use reduction::{DirectionMeans, Reduction, Rules, Sample, SpeedMeans};
 pub use shear::{Fibres, ShearMethod};
 pub use specimen::Coupon;

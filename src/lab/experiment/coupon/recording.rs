@@ -2,11 +2,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::label::{self, Label};
+use super::label::{self, Label, Labelled};
 use super::{Coupon, Curve, Rules, Sample};
 use crate::error::{Error, Kind, refusal};
 use crate::signal::Measurement;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
+use base::number::significant;
 use base::units::{Force, Length};
 
 /// Dimensions of coupons, as far as they are given; others are those that the head of a file states.
@@ -55,6 +56,8 @@ pub struct CouponTest {
     pub merged: usize,
     /// Its dimensions.
     pub coupon: Coupon,
+    /// Whether its speed is that of time and travel, and what else name or header state, m/s.
+    pub measured: Option<Option<f64>>,
     /// Of a machine's export: its name, and what the head states of it.
     pub specimen: Option<SpecimenNote>,
 }
@@ -82,6 +85,26 @@ impl CouponTest {
 /// A specimen of a file, as a message names it.
 fn place(path: &Path, specimen: &str) -> PathBuf {
     PathBuf::from(format!("{}, {specimen}", path.display()))
+}
+
+/// Makes one speed of those that time and travel show and that differ by their errors: that which others state, or else
+/// their mean to three digits.
+pub fn join_speeds(tests: &mut [CouponTest]) {
+    let of = |tests: &[CouponTest], is_measured: bool| -> Vec<f64> {
+        let those = tests.iter().filter(|test| test.measured.is_some() == is_measured);
+        those.map(|test| test.sample.velocity).collect()
+    };
+    let (mut measured, stated) = (of(tests, true), of(tests, false));
+    measured.sort_by(f64::total_cmp);
+    for group in measured.chunk_by(|a, b| label::is_near(*a, *b)) {
+        let mean = group.iter().sum::<f64>() / group.len() as f64;
+        let rounded = || significant(mean, 3).parse().unwrap_or(mean);
+        let joined = stated.iter().copied().find(|speed| label::is_near(*speed, mean)).unwrap_or_else(rounded);
+        let ends = [group[0], group[group.len() - 1]];
+        let of_group =
+            |test: &&mut CouponTest| test.measured.is_some() && (ends[0]..=ends[1]).contains(&test.sample.velocity);
+        tests.iter_mut().filter(of_group).for_each(|test| test.sample.velocity = joined);
+    }
 }
 
 impl CouponReader {
@@ -123,23 +146,25 @@ impl CouponReader {
         let options = ReadOptions { channels, ..self.table.clone() };
         // Force over displacement needs no time: the speed is known from elsewhere.
         let measurement = match file::read(path, &options) {
-            Err(error) if *error.kind() == Kind::NoTime => file::columns(path, &options)?,
-            read => read?,
+            Err(error) if *error.kind() == Kind::NoTime => (file::columns(path, &options)?, false),
+            read => (read?, true),
         };
-        self.reduce(path, &measurement).map_err(|error| error.in_file(path))
+        self.reduce(path, &measurement.0, measurement.1).map_err(|error| error.in_file(path))
     }
 
-    fn reduce(&self, path: &Path, measurement: &Measurement) -> Result<CouponTest, Error> {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let (direction, velocity) = label::label(&name, measurement.annotations.comments(), self.given)?;
+    fn reduce(&self, path: &Path, measurement: &Measurement, has_time: bool) -> Result<CouponTest, Error> {
         let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION).map_err(with_unit)?;
         let displacement = measurement.channel(&self.displacement)?;
         let displacement = displacement.quantity(Length::DIMENSION).map_err(with_unit)?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let speed = label::measured_speed(displacement.time(), displacement.values()).filter(|_| has_time);
+        let label = label::label(&name, measurement.annotations.comments(), self.given, speed)?;
+        let Labelled { direction, velocity, measured } = label;
         let coupon = self.dimensions.coupon(&[])?;
         let curve = coupon.curve(force, displacement)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
         let sample = Sample { is_virtual: measurement.annotations.is_virtual(), ..sample };
-        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, specimen: None })
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, measured, specimen: None })
     }
 }
 

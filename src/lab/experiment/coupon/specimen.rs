@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::curve::Curve;
-use super::label::{is_same_speed, label};
+use super::label::{Labelled, is_same_speed, label, measured_speed};
 use super::recording::{CouponReader, CouponTest, Dimensions, SpecimenNote, with_unit};
-use super::{Direction, Sample, shear};
+use super::{Sample, shear};
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
 use crate::signal::export::{Key, Specimen, Stated, Statement, is_displacement, is_force};
 use crate::signal::{Annotations, Series, ambiguous, check_dimension, missing};
 use base::number::significant;
-use base::units::{Dimension, Force, Length};
+use base::units::{Dimension, Force, Length, Time};
 
 impl CouponReader {
     /// Whether the only specimen of an export has the channels as they are asked for, so that it is read as any table.
@@ -30,16 +30,23 @@ impl CouponReader {
         let stated = &specimen.stated;
         let mut replaced = Vec::new();
         let coupon = self.dimensions.or(stated, &mut replaced).coupon(&stated.unused)?;
-        let (direction, velocity) = self.label(path, specimen, comments, &mut replaced)?;
         let force = self.column(specimen, &self.force, "force", is_force, Force::DIMENSION)?;
         let displacement =
             self.column(specimen, &self.displacement, "displacement", is_displacement, Length::DIMENSION)?;
+        let time = specimen.columns.iter().zip(&specimen.values).find(|(column, _)| column.is_time());
+        let time = time.and_then(|(column, values)| {
+            let unit = check_dimension(&column.name, column.unit.as_ref(), Time::DIMENSION).ok()?;
+            Some(values.iter().map(|value| unit.to_si(*value)).collect::<Vec<f64>>())
+        });
+        let speed = time.and_then(|time| measured_speed(&time, displacement.1.values()));
+        let label = self.label(path, specimen, comments, speed, &mut replaced)?;
+        let Labelled { direction, velocity, measured } = label;
         let columns = [&force, &displacement].map(|(label, _)| label.clone());
         let curve = coupon.curve(&force.1, &displacement.1)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
         let sample = Sample { is_virtual: Annotations::new(comments.to_vec()).is_virtual(), ..sample };
         let note = SpecimenNote { name: specimen.name.clone(), stated: stated.written(), replaced, columns };
-        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, specimen: Some(note) })
+        Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, measured, specimen: Some(note) })
     }
 
     /// Direction and speed: given, stated by the head, or those of the name of the specimen or of the file.
@@ -48,8 +55,9 @@ impl CouponReader {
         path: &Path,
         specimen: &Specimen,
         comments: &[String],
+        measured: Option<f64>,
         replaced: &mut Vec<String>,
-    ) -> Result<(Direction, f64), Error> {
+    ) -> Result<Labelled, Error> {
         let speed = specimen.stated.quantities.get(&Key::Speed);
         let mut header = comments.to_vec();
         header.extend(specimen.stated.direction.iter().map(|word| format!("direction: {word}")));
@@ -60,8 +68,8 @@ impl CouponReader {
             replaced.push(format!("velocity: {} m/s for {}", significant(given, 6), speed.written));
         }
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        match label(&specimen.name, &header, self.given) {
-            Err(error) if *error.kind() == Kind::NoLabel => label(&stem, &header, self.given),
+        match label(&specimen.name, &header, self.given, measured) {
+            Err(error) if *error.kind() == Kind::NoLabel => label(&stem, &header, self.given, measured),
             found => found,
         }
     }
