@@ -53,8 +53,29 @@ pub fn film_absorption(
     absorption_of(&energy, displacement)
 }
 
-/// Energy absorption of a body of the mechanical energy `energy` (J) at the height `displacement` (m).
+/// Share of the depth by which the impactor rises between two impacts.
+pub const RISES: f64 = 0.1;
+
+/// Number of samples of the first impact: all, or those up to the highest point before a later impact that is deeper.
+pub fn first_impact(displacement: &[f64]) -> usize {
+    let (mut lowest, mut top) = (0.0_f64, 0);
+    for (i, d) in displacement.iter().enumerate() {
+        if *d < lowest {
+            if displacement[top] - lowest > -RISES * lowest {
+                return top + 1;
+            }
+            (lowest, top) = (*d, i);
+        } else if *d > displacement[top] {
+            top = i;
+        }
+    }
+    displacement.len()
+}
+
+/// Energy absorption of a body of the mechanical energy `energy` (J) at the height `displacement` (m), in its first impact.
 pub fn absorption_of(energy: &[f64], displacement: &[f64]) -> Result<f64, AbsorptionError> {
+    let end = first_impact(displacement);
+    let (energy, displacement) = (&energy[..end.min(energy.len())], &displacement[..end]);
     let lowest = displacement.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
     let Some((turn, _)) = lowest.filter(|(turn, _)| turn + 1 < energy.len()) else {
         return Err(AbsorptionError::NoUnloading);
@@ -114,6 +135,21 @@ mod tests {
         let (loading, unloading) = (8.0 + 9.81 * 0.1 - guide, 0.5 + 9.81 * 0.1 + guide);
         assert!((film - (1.0 - unloading / loading)).abs() < 1e-6, "{film}");
         assert!(film < energy_absorption(BODY, &v, &d).unwrap());
+    }
+
+    /// The film that an impact has stretched lets the next one deeper.
+    #[test]
+    fn a_deeper_second_impact_does_not_count() {
+        let ((v, d), (again_v, again_d)) = (bounce(4.0, 1.0), bounce(1.0, 0.5));
+        let fall = (1..100).map(|i| 0.1 - 0.001 * f64::from(i));
+        let first = d.len() + 1;
+        let deeper: Vec<f64> = again_d.iter().map(|d| 1.1 * d).collect();
+        let displacement: Vec<f64> = d.iter().copied().chain(fall).chain(deeper).collect();
+        let velocity: Vec<f64> = v.iter().copied().chain([-1.0; 99]).chain(again_v).collect();
+        assert_eq!(first_impact(&displacement), first);
+        assert_eq!(first_impact(&d), d.len());
+        let body = Body { gravity: 0.0, ..BODY };
+        assert_eq!(energy_absorption(body, &velocity, &displacement), energy_absorption(body, &v, &d));
     }
 
     #[test]

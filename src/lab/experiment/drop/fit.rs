@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::model::{COUNT, Model, Unknowns, of};
 use super::recording::Recorded;
 use super::result::{Input, Intervals};
-use crate::experiment::absorption::Body;
+use crate::experiment::absorption::{Body, RISES};
 use base::cancellation::stop_if_cancelled;
 
 /// Steps of the differences by which residuals are differentiated, of each unknown.
@@ -307,6 +307,7 @@ impl Impact {
         let mut found =
             Impact { contact, speed, travel: 0.0, rebound: f64::NEG_INFINITY, absorbed: 0.0, absorption: 0.0 };
         let (mut loading, mut unloading) = ([at_contact; 2], [f64::INFINITY, f64::NEG_INFINITY]);
+        let mut top = (0.0, unloading, found);
         for [t, r] in means {
             integral += before.map_or(0.0, |[t0, r0]| 0.5 * (r + r0) * (t - t0));
             let a = r + u[of::INVERSE] * integral;
@@ -319,6 +320,11 @@ impl Impact {
                 let faster = v + 0.5 * h * (a + a0);
                 z += 0.5 * h * (v + faster);
                 v = faster;
+                // The next impact, deeper than this one: what was seen up to the highest point between them counts.
+                if z < found.travel && top.0 - found.travel > -RISES * found.travel {
+                    (unloading, found) = (top.1, top.2);
+                    break;
+                }
                 let energy = mass_energy(v, z);
                 let widened = |span: [f64; 2]| [span[0].min(energy), span[1].max(energy)];
                 if z < found.travel {
@@ -331,6 +337,9 @@ impl Impact {
                     found.rebound = found.rebound.max(v);
                 }
                 found.absorbed = found.absorbed.max(at_contact - energy);
+                if z == found.travel || z > top.0 {
+                    top = (z, unloading, found);
+                }
             }
             (last, before) = (Some(a), Some([t, r]));
         }

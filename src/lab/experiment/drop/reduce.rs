@@ -8,7 +8,7 @@ use super::release::{self, GravityRamp, Impact, Release};
 use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
 use super::{Class, Correction, Known, Reduction, Tower};
 use crate::error::{Error, Kind, refusal};
-use crate::experiment::absorption::{energy_absorption, film_absorption as film_absorption_by};
+use crate::experiment::absorption::{energy_absorption, film_absorption as film_absorption_by, first_impact};
 use crate::experiment::{Warning, coupling};
 use crate::signal::column::Column;
 use crate::signal::filter::{self, ChannelFilter, Standard};
@@ -33,6 +33,8 @@ const OFF_ONSET: f64 = 0.1;
 /// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
 const CONTRADICTS: f64 = 25.0;
 const DIFFERS: f64 = 0.01;
+/// Excess over the speed of the free fall below which it is none: standard gravity is right to 0.3 %, half of it in the speed.
+const LEAST_EXCESS: f64 = 1e-3;
 /// Friction over the weight and its deviation where the recording alone is to tell it.
 const ANY_FRICTION: [f64; 2] = [0.0, 0.3];
 
@@ -277,6 +279,7 @@ pub(super) fn finish(
     let signals = release::signals(&acceleration, &filtered, &contact, body)?;
     let channel = |column: Column| signals.channel(column.name).unwrap_or_default();
     let [velocity, displacement] = [channel(column::VELOCITY), channel(column::DISPLACEMENT)];
+    let travelled = &displacement[..first_impact(displacement)];
     // A peak that is cut off is missing in every later speed, and so in the energy after the rebound.
     let clipping = Clipping::find(&recorded.reading, time);
     let absorption = energy_absorption(body, velocity, displacement);
@@ -286,7 +289,7 @@ pub(super) fn finish(
     // The figures are of the whole reading, the intervals of its means; what there is no figure of has none.
     let rebounds = absorption.ok().filter(|_| is_whole);
     let intervals = intervals.map(|all| Intervals {
-        displacement: holding(all.displacement, displacement.iter().copied().fold(0.0, f64::min)),
+        displacement: holding(all.displacement, travelled.iter().copied().fold(0.0, f64::min)),
         energy_absorption: all.energy_absorption.zip(rebounds).map(|(ends, value)| holding(ends, value)),
         rebound_speed: all.rebound_speed.filter(|_| rebounds.is_some()),
         ..all
@@ -311,7 +314,7 @@ pub(super) fn finish(
     };
     let doubts = release::warnings(&impact, &recorded.reading, recorded.release.rest_end);
     let warnings = [
-        friction.faster(tower),
+        friction.faster(tower.height.filter(|_| known.height.is_some())),
         without_laser(speed_from),
         absorption.err().filter(|_| is_whole).map(|reason| Warning::NoEnergyAbsorption { reason }),
         may_be_dc.map(|[at_least, _]| Warning::DcCoupled { at_least }),
@@ -379,10 +382,11 @@ impl Friction {
         }
     }
 
-    /// Friction only lowers the speed.
-    fn faster(&self, tower: &Tower) -> Option<Warning> {
+    /// Friction only lowers the speed, beyond what gravity differs by from place to place. A `height` (m) that is not used
+    /// says nothing.
+    fn faster(&self, height: Option<f64>) -> Option<Warning> {
         let [friction, most] = self.share;
-        let height = tower.height.filter(|_| most < 0.0)?;
+        let height = height.filter(|_| most < 0.0 && -0.5 * friction > LEAST_EXCESS)?;
         Some(Warning::FasterThanFreeFall { excess: -0.5 * friction, height })
     }
 

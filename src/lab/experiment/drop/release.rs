@@ -7,7 +7,7 @@
 use super::result::Contact;
 use crate::error::{Error, Kind, refusal};
 use crate::experiment::Warning;
-use crate::experiment::absorption::Body;
+use crate::experiment::absorption::{Body, first_impact};
 use crate::experiment::fit::least_squares;
 use crate::signal::{Channel, Recording, Series, column, gap, integrate, resample};
 
@@ -364,8 +364,10 @@ fn slow(impact: &Impact<'_>) -> Option<Warning> {
 }
 
 fn late_peak(impact: &Impact<'_>) -> Option<Warning> {
-    let [lowest_point, _] = impact.signals.series(column::DISPLACEMENT.name)?.smallest()?;
-    let [peak, _] = impact.signals.series(column::ACCELERATION_FILTERED.name)?.largest()?;
+    let displacement = impact.signals.series(column::DISPLACEMENT.name)?;
+    let first = [0.0, displacement.time()[first_impact(displacement.values()).checked_sub(1)?]];
+    let [lowest_point, _] = displacement.window(first).smallest()?;
+    let [peak, _] = impact.signals.series(column::ACCELERATION_FILTERED.name)?.window(first).largest()?;
     (peak > 1.2 * lowest_point).then_some(Warning::LatePeak { peak, lowest_point })
 }
 

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::release::GravityRamp;
 use crate::experiment::Warning;
+use crate::experiment::absorption::first_impact;
 use crate::signal::{Recording, Series, column, integrate};
 use base::number::clean_time;
 use membrane::engine::GuideFriction;
@@ -140,6 +141,7 @@ impl Drop {
     pub fn lowest_point(&self) -> Option<[f64; 2]> {
         let displacement = self.signals.series(column::DISPLACEMENT.name)?;
         displacement
+            .window(self.first_impact())
             .smallest()
             .filter(|sample| displacement.time().last() > Some(&sample[0]) && self.is_measured(sample))
     }
@@ -149,8 +151,15 @@ impl Drop {
     /// end of its range before.
     pub fn rebound(&self) -> Option<[f64; 2]> {
         let [lowest, _] = self.lowest_point()?;
-        let after = self.signals.series(column::VELOCITY.name)?.window([lowest, f64::INFINITY]);
+        let after = self.signals.series(column::VELOCITY.name)?.window([lowest, self.first_impact()[1]]);
         after.largest().filter(|sample| sample[1] > 0.0 && self.is_measured(sample))
+    }
+
+    /// From contact to the end of the first impact, s: the highest point before a later impact that is deeper, or the end.
+    pub(super) fn first_impact(&self) -> [f64; 2] {
+        self.signals
+            .series(column::DISPLACEMENT.name)
+            .map_or([0.0; 2], |displacement| [0.0, displacement.time()[first_impact(displacement.values()) - 1]])
     }
 
     fn is_measured(&self, sample: &[f64; 2]) -> bool {
@@ -242,11 +251,13 @@ pub struct Figures {
 impl Drop {
     /// The figures of this drop.
     pub fn figures(&self) -> Figures {
-        let channel = |name| self.signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let whole = |name| self.signals.series(name).unwrap_or_else(|| Series::new([], []));
+        let first = self.first_impact();
+        let channel = |name| whole(name).window(first);
         let peak = channel(column::ACCELERATION_FILTERED.name).largest();
         let deepest = channel(column::DISPLACEMENT.name).smallest();
         let absorbed = channel(column::ABSORBED_ENERGY.name);
-        let last = absorbed.samples().last();
+        let last = whole(column::ABSORBED_ENERGY.name).samples().last();
         let [peak, deepest, most, last] =
             [peak, deepest, absorbed.largest(), last].map(|sample| sample.filter(|sample| self.is_measured(sample)));
         // A clipped peak is not exceeded by the rest of its reading.
