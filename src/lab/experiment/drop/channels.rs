@@ -9,7 +9,7 @@ use crate::experiment::Warning;
 use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations, gap};
 use base::diagnostic::listed;
 use base::number::clean_time;
-use base::units::{Acceleration, Dimension, Length, Mass, UnitError};
+use base::units::{Acceleration, Dimension, Force, Length, Mass, UnitError};
 
 /// Channels as the user names them, and how the sensor is mounted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -51,8 +51,18 @@ impl DropChannels {
         let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
         let acceleration = acceleration.ok_or_else(|| {
             let names: Vec<String> = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
-            refusal!("none of the channels {} is an acceleration", listed(&names))
-                .with_hint("--unit gives the unit of channels without one")
+            let has = |dimension: Dimension| {
+                measurement.channels.iter().any(|channel| channel.quantity(dimension).is_ok())
+            };
+            let has_force = has(Force::DIMENSION);
+            let is_open = measurement.channels.iter().any(|channel| channel.unit.is_none());
+            refusal!("none of the channels {} is an acceleration", listed(&names)).with_hint(match (is_open, has_force) {
+                (true, _) => "--unit gives the unit of channels without one",
+                (false, true) => {
+                    "a drop needs a channel in m/s2 or g; `droptower reduce coupon` reduces the force and travel of a coupon"
+                }
+                (false, false) => "a drop needs a channel in m/s2 or g",
+            })
         })?;
         let laser = sought(measurement, names.laser.as_deref(), Length::DIMENSION)?;
         let mut annotations = measurement.annotations.clone();
