@@ -83,6 +83,7 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "new material nylon-fabric", "its values had no published source; `droptower new material fabric` is its law"),
     row(Kind::Command, "new material tpu", "its values had no published source; `droptower new material mooney-rivlin` is its law"),
     sought("plot", "`droptower picture RUN --plot NAME` draws a plot of a run; its report.html has all of them"),
+    sought("predict", "`droptower calibrate STUDY` predicts the scenarios of the study's table [predict]"),
     row(Kind::Command, "repl", "`droptower script` computes no run twice, so a script grows line by line; so does a notebook with the Python package"),
     sought("report", "`droptower run` writes the page report.html into the folder of the run"),
     row(Kind::Command, "schema cluster", NEW_SLURM),
@@ -111,6 +112,8 @@ const REMOVED: &[Removed] = &[
     row(Kind::Command, "tensile fit plastic:voce", PLASTIC),
     now("tensile reduce", "`droptower reduce coupon`"),
     now("tensile wide", "`droptower reduce wide`"),
+    sought("template", "`droptower new KIND FILE` writes a file to start from"),
+    sought("validate", "`droptower check` checks scenarios, materials and studies"),
     row(Kind::Command, "watch --no-page", "`watch` serves no page; report.html in the folder of the run is the page"),
     row(Kind::Command, "watch --port", "open report.html in the folder of the run, and reload it"),
     row(Kind::Key, "cluster", NEW_SLURM),
@@ -180,6 +183,11 @@ pub fn command(words: &[String]) -> Option<(&'static str, String)> {
     // The row with most words says most.
     let found = REMOVED.iter().filter(|row| row.kind == Kind::Command).filter(is_meant);
     found.max_by_key(|row| row.name.split(' ').count()).map(|row| (row.name, sentence(row)))
+}
+
+/// Commands that users look for and that never were.
+pub fn sought_commands() -> impl Iterator<Item = &'static str> {
+    REMOVED.iter().filter(|row| matches!(row.fate, Fate::Sought)).map(|row| row.name)
 }
 
 /// What to do instead of the key at `path`, in which numbers count entries of lists.

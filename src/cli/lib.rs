@@ -232,7 +232,10 @@ pub fn main() -> ExitCode {
 fn unusable(error: &clap::Error) -> ExitCode {
     let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let json = words.iter().any(|word| word == "--json");
-    match removed::command(&words).filter(|_| error.use_stderr()) {
+    let is_unknown = error.kind() == clap::error::ErrorKind::InvalidSubcommand;
+    let gone = || removed::command(&words).map(|(name, hint)| (name.to_owned(), hint));
+    let meant = || if is_unknown { guess(&words) } else { None };
+    match Some(()).filter(|()| error.use_stderr()).and_then(|()| gone().or_else(meant)) {
         Some((name, hint)) => Failure::from(Diagnostic::new(format!("droptower has no `{name}`")).hint(hint))
             .report(DiagnosticFormat::from_words(&words), json),
         None if json && error.use_stderr() => {
@@ -241,6 +244,48 @@ fn unusable(error: &clap::Error) -> ExitCode {
         }
         None => error.exit(),
     }
+}
+
+/// The word of a command line that is no command, and which one is meant: the command of that name below another, the shipped
+/// script, or else the name that is spelt most like it.
+fn guess(words: &[String]) -> Option<(String, String)> {
+    let mut command = command();
+    command.build();
+    let mut written = words.iter().filter(|word| !word.starts_with('-'));
+    let (word, path) = match written.next()? {
+        first if command.find_subcommand(first).is_some_and(clap::Command::has_subcommands) => {
+            (written.next()?, Some(first))
+        }
+        first => (first, None),
+    };
+    let top = command.get_subcommands().filter(|one| path.is_none_or(|path| one.get_name() == path));
+    let mut known: Vec<(String, String)> = Vec::new();
+    for one in top.filter(|one| !one.is_hide_set()) {
+        let name = one.get_name().to_owned();
+        let below =
+            one.get_subcommands().map(|below| (below.get_name().to_owned(), format!("{name} {}", below.get_name())));
+        let below: Vec<_> = below.filter(|(own, _)| own != "help").collect();
+        known.extend(path.is_none().then(|| (name.clone(), name.clone())));
+        known.extend(below);
+    }
+    // `coupon` is rather a recording than a template.
+    known.sort_by_key(|(_, whole)| whole.starts_with("new "));
+    if path.is_none() {
+        known.extend(shipped::names().map(|name| (name.to_owned(), format!("script {name}"))));
+    }
+    let find = |name: &str| known.iter().find(|(own, _)| own == name).map(|(_, whole)| format!("`droptower {whole}`"));
+    let hint = find(word).map(|whole| format!("it is {whole}")).or_else(|| {
+        let sought = removed::sought_commands().filter(|_| path.is_none());
+        let names: Vec<String> = known.iter().map(|(own, _)| own.clone()).chain(sought.map(str::to_owned)).collect();
+        let nearest = diagnostic::closest(word, names.iter().map(String::as_str))?;
+        Some(match find(nearest) {
+            Some(whole) => format!("did you mean {whole}?"),
+            None => removed::command(&[nearest.to_owned()])?.1,
+        })
+    });
+    let shown = path.map_or_else(|| word.clone(), |path| format!("{path} {word}"));
+    let others = path.map_or_else(|| "droptower --help".to_owned(), |path| format!("droptower {path} --help"));
+    Some((shown, hint.unwrap_or_else(|| format!("`{others}` lists the commands"))))
 }
 
 /// Checks and sets what the whole program needs of the system.
@@ -378,5 +423,37 @@ pub(crate) fn print_figures(
         (true, _) => print_json(figures),
         (false, true) => Ok(()),
         (false, false) => print(text().trim_end()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_guessed_name_leads_to_what_is_meant() {
+        for (written, hint) in [
+            ("rn", "did you mean `droptower run`?"),
+            ("reduse", "did you mean `droptower reduce`?"),
+            ("hic", "it is `droptower signal hic`"),
+            ("info", "it is `droptower signal info`"),
+            ("rate", "it is `droptower signal rate`"),
+            ("convert", "it is `droptower signal convert`"),
+            ("filter", "it is `droptower signal filter`"),
+            ("bulge", "it is `droptower reduce bulge`"),
+            ("wide", "it is `droptower reduce wide`"),
+            ("coupon", "it is `droptower reduce coupon`"),
+            ("failure-mass", "it is `droptower script failure-mass`"),
+            ("reduce coupn", "did you mean `droptower reduce coupon`?"),
+            ("validate", "`droptower check` checks scenarios, materials and studies"),
+            ("template", "`droptower new KIND FILE` writes a file to start from"),
+            ("predict", "`droptower calibrate STUDY` predicts the scenarios of the study's table [predict]"),
+            ("plott", "`droptower picture RUN --plot NAME` draws a plot of a run; its report.html has all of them"),
+            ("xyzzyx", "`droptower --help` lists the commands"),
+        ] {
+            let words: Vec<String> = written.split(' ').map(str::to_owned).collect();
+            let found = removed::command(&words).map(|(name, hint)| (name.to_owned(), hint)).or_else(|| guess(&words));
+            assert_eq!(found, Some((written.to_owned(), hint.to_owned())));
+        }
     }
 }

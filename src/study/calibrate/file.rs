@@ -120,6 +120,12 @@ impl StudyFile {
         })?;
         let source = Source::file(path, text);
         let root = parse_tree(&source)?;
+        if root.find("specimen").is_some() {
+            let mistake = Diagnostic::new(format!("{} is a scenario, not a study", path.display()));
+            return Err(vec![mistake.hint(
+                "a study names scenarios as its [[test]]s and the [parameters] to find: `droptower new study study.toml`",
+            )]);
+        }
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let mut reader = Reader { mistakes: validate(&root, rule()), folder };
         reader.check_names(&root);
