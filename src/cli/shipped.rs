@@ -22,6 +22,14 @@ macro_rules! shipped {
 const SHIPPED: [(&str, &str); 6] =
     shipped!["dart-break-strain", "dart-data-sheet", "failure-mass", "identify", "identify-field", "layers"];
 
+/// Post scripts that `droptower new` writes.
+const POST: [(&str, &str); 1] = [("puncture.rhai", include_str!("../../scripts/post/puncture.rhai"))];
+
+/// The names of the shipped scripts.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    SHIPPED.iter().map(|(name, _)| *name)
+}
+
 /// A script that a user names.
 pub(crate) struct Named {
     /// Where it is, or where a shipped one would be.
@@ -68,7 +76,15 @@ pub(crate) fn figure(figure: &str) -> Option<Explanation> {
         let facts = json!({ "figure": figure, "script": script, "sentence": sentence });
         Some((facts, format!("{figure}\n    {sentence}\n    figure of `droptower script {script}`")))
     };
-    let found: Vec<_> = SHIPPED.iter().filter_map(entry).collect();
+    let post = |(script, text): &(&'static str, &'static str)| {
+        let sentence = figure_sentence(text, figure)?;
+        let facts = json!({ "figure": figure, "script": script, "sentence": sentence });
+        Some((
+            facts,
+            format!("{figure}\n    {sentence}\n    figure of the post script {script}, which `droptower new` writes"),
+        ))
+    };
+    let found: Vec<_> = SHIPPED.iter().filter_map(entry).chain(POST.iter().filter_map(post)).collect();
     (!found.is_empty()).then(|| found.into_iter().collect())
 }
 
@@ -136,6 +152,15 @@ fn head(one: &Declared) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_figure_of_a_post_script_is_explained() {
+        for (name, text) in POST {
+            let measured = text.split("measure(\"").skip(1).filter_map(|rest| rest.split('"').next());
+            let unexplained: Vec<&str> = measured.filter(|one| figure(one).is_none()).collect();
+            assert!(unexplained.is_empty(), "{name}: {unexplained:?}");
+        }
+    }
 
     #[test]
     fn a_file_wins_over_a_shipped_script_of_its_name() {

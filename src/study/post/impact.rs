@@ -37,9 +37,10 @@ pub struct Impact {
     /// Largest elongation of a spring of the frame; none without springs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_spring_elongation_m: Option<f64>,
-    /// E_a of the paper's equation 14; none without a reference.
+    /// Relative error of the acceleration over the window that is compared, E_a of the paper's equation 14; none without a
+    /// reference.
     pub acceleration_error: Option<f64>,
-    /// E_d of the paper's equation 15; none without a reference.
+    /// Relative error of the displacement over that window, E_d of the paper's equation 15; none without a reference.
     pub displacement_error: Option<f64>,
     /// Figures of the reduction of a raw recording, with their intervals; none of other references.
     #[schemars(with = "Option<Value>")]
