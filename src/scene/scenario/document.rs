@@ -92,7 +92,22 @@ impl Document {
         let mut reader = Reader::default();
         let mut root = self.root.clone();
         let mut set: Option<Node> = None;
+        let mut files = self.files.clone();
+        let mut given = self.mistakes.clone();
         for assignment in assignments {
+            if let Change::Set(tree) = assignment.change()
+                && let Some((unread, text)) = replaced_file(&root, tree)
+            {
+                // A file that is replaced by another need not be there.
+                let path = unread.span.source.folder.join(text);
+                given.retain(|mistake| {
+                    !mistake
+                        .span
+                        .as_ref()
+                        .is_some_and(|span| span.is(&unread.span) || span.source.name == shown_path(&path))
+                });
+                files.retain(|file| *file != path);
+            }
             match assignment.change() {
                 Change::Unset(unset) => reader.mistakes.extend(unset.apply(&mut root).err()),
                 Change::Set(tree) if into_list(&root, tree, "").is_some() => {
@@ -114,8 +129,8 @@ impl Document {
         }
         // Missing keys are shown in the file, not in the last argument.
         root.span = self.root.span.clone();
-        let mistakes = self.mistakes.iter().cloned().chain(reader.mistakes).collect();
-        let files = self.files.iter().cloned().chain(reader.files).collect();
+        let mistakes = given.into_iter().chain(reader.mistakes).collect();
+        files.extend(reader.files);
         Document { root, path: self.path.clone(), rule: self.rule, files, mistakes }
     }
 
@@ -281,6 +296,19 @@ impl Document {
     /// The path written at the key path, from the folder of the file in which it is written.
     pub fn file(&self, path: &str) -> Option<PathBuf> {
         self.file_of(&path.split('.').collect::<Vec<_>>())
+    }
+}
+
+/// The text that an assignment replaces by another text or a table: the name of a file that could not be read, where one
+/// is included.
+fn replaced_file<'n>(base: &'n Node, over: &Node) -> Option<(&'n Node, &'n str)> {
+    match (&base.value, &over.value) {
+        (Value::Text(text), _) => Some((base, text)),
+        (Value::Table(base), Value::Table(over)) => match over.entries.as_slice() {
+            [Entry { key, node, .. }] => replaced_file(&base.get(key)?.node, node),
+            _ => None,
+        },
+        _ => None,
     }
 }
 
