@@ -5,7 +5,7 @@ use crate::mesh::{Outline, import};
 use crate::scenario::{Document, Implausible};
 use base::findings;
 use base::number::significant;
-use base::units::Mass;
+use base::units::{Length, Mass};
 use membrane::material::{Criterion, Law, Tension};
 
 /// Largest extent of a mesh that is likely, m.
@@ -75,7 +75,7 @@ findings! {
 
 /// Implausible values and combinations in the scenario `document`, which was checked to be `model`.
 pub fn warnings(document: &Document, model: &Model) -> Vec<Warning> {
-    let darts = darts(document, model);
+    let darts: Vec<Implausible> = darts(document, model).into_iter().chain(heads(document, model)).collect();
     let mut values = document.implausible();
     values.retain(|value| darts.iter().all(|dart| dart.key != value.key));
     let values = values.into_iter().chain(darts).map(Warning::Value);
@@ -100,6 +100,31 @@ fn darts(document: &Document, model: &Model) -> Vec<Implausible> {
         let likely = [1e-3, if is_standard { standard } else { HEAVIEST_STRIKER }];
         let keys = ["impactor.mass".to_owned(), format!("impactor.{place}.mass")];
         keys.iter().find_map(|key| document.implausible_at(key, Mass::DIMENSION, likely))
+    };
+    model.impactors.iter().enumerate().filter_map(of_body).collect()
+}
+
+/// Radii of hemispheres that are wider than the film, or the diameters of the standard's heads.
+fn heads(document: &Document, model: &Model) -> Vec<Implausible> {
+    let shown = |length: f64| format!("{} mm", significant(1e3 * length, 4));
+    let of_body = |(place, body): (usize, &Impactor)| {
+        let ImpactorShape::Hemisphere { radius, .. } = body.shape else { return None };
+        let film = match model.specimen.shape {
+            Outline::Circle { radius } => radius,
+            _ => f64::INFINITY,
+        };
+        let [small, large] = STANDARD_DARTS.0;
+        let is_diameter = [small, large].iter().any(|head| (radius - 2.0 * head).abs() < 1e-3 * head);
+        let likely = match is_diameter {
+            true => format!("{} and {} (ASTM D1709)", shown(small), shown(large)),
+            false if radius >= film => format!("less than the radius of the film, {}", shown(film)),
+            false => return None,
+        };
+        let keys = ["impactor".to_owned(), format!("impactor.{place}")];
+        let found = keys.iter().find_map(|key| {
+            document.implausible_at(&format!("{key}.shape.hemisphere.radius"), Length::DIMENSION, [0.0, 0.99 * radius])
+        })?;
+        Some(Implausible { likely, meant: (0.5 * radius < film).then(|| shown(0.5 * radius)), ..found })
     };
     model.impactors.iter().enumerate().filter_map(of_body).collect()
 }

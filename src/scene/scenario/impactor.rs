@@ -22,7 +22,8 @@ keys! {
         name: Option<String>;
         /// Shape of the body; its axis is z, its tip points down.
         shape: ImpactorShape, schemars(schema_with = "shape_schema");
-        /// Mass of the body and all that moves with it; required where it falls.
+        /// Mass of the body and all that moves with it; required where it falls. Usual are up to 6 kg with a head of ASTM D1709, up
+        /// to 100 kg with another hemisphere.
         mass: Option<Mass>, above 0, likely [1e-3, 2e3], title "Mass of the impactor";
         /// Moments of inertia about the body's own x, y and z through its centre of mass; those of a homogeneous body, without
         /// the rounding of edges, where they are left out.
@@ -231,7 +232,7 @@ keys! {
         /// down the line. `impactor.velocity` is one in any direction.
         velocity: Option<Velocity>, above 0, likely [1e-3, 500.0], title "Impact speed";
         /// Drop height of an ideal free fall to first contact, in place of `velocity`.
-        drop_height: Option<Length>, above 0, likely [1e-3, 100.0], title "Drop height";
+        drop_height: Option<Length>, above 0, likely [1e-3, 30.0], title "Drop height";
         /// Acceleration of free fall.
         gravity: Acceleration, default "standard_gravity", from 0, likely [1e-3, 300.0];
         /// Simulated time from the start: from first contact, unless the impactor starts above the film.
