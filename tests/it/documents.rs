@@ -35,6 +35,22 @@ fn links_point_to_files() {
     }
 }
 
+/// A command outside of a block of code runs into the text beside it.
+#[test]
+fn commands_are_in_blocks_and_comments_end() {
+    let commands = ["run", "script", "reduce", "fit", "calibrate", "new", "check", "sweep", "signal", "test", "export"];
+    for document in fs::read_dir(root().join("docs")).expect("a folder").flatten().map(|entry| entry.path()) {
+        let Ok(text) = fs::read_to_string(&document) else { continue };
+        let mut is_code = false;
+        for line in text.lines().filter(|_| document.extension().is_some_and(|ending| ending == "md")) {
+            is_code ^= line.trim_start().starts_with("```");
+            let command = line.strip_prefix("droptower ").and_then(|rest| rest.split(' ').next());
+            let is_stray = command.is_some_and(|word| commands.contains(&word)) || line.contains("--->");
+            assert!(is_code || !is_stray, "{}: {line}", document.display());
+        }
+    }
+}
+
 #[test]
 fn the_readme_links_every_document() {
     let readme = fs::read_to_string(root().join("README.md")).expect("a text");
