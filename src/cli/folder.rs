@@ -405,13 +405,24 @@ fn steadiness(audit: &Audit) -> String {
     format!("{scaled}{added}")
 }
 
+/// A share in per cent with one decimal; one below 0.1 % with its first two digits.
 fn percent(share: f64) -> String {
-    format!("{:.1} %", share * 100.0)
+    let percent = 100.0 * share;
+    match percent.abs() {
+        small if small > 0.0 && small < 0.0995 => format!("{} %", number::significant(percent, 2)),
+        _ => format!("{percent:.1} %"),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_shares_keep_their_digits() {
+        let found = [1.366e-4, 1.2e-3, 9.96e-4, 0.0, 0.887].map(percent);
+        assert_eq!(found, ["0.014 %", "0.1 %", "0.1 %", "0.0 %", "88.7 %"]);
+    }
 
     #[test]
     fn a_folder_of_many_files_is_named_once() {
