@@ -83,9 +83,10 @@ fn head(draft: &Draft<'_>) -> Vec<String> {
     lines.extend(film.origin.iter().cloned());
     lines.push(format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", system.name()));
     lines.push(format!(
-        "thickness of one layer {} {length}; {} layers: {} {length}",
+        "thickness of one layer {} {length}; {} layer{}: {} {length}",
         significant(thickness, 6),
         request.layers,
+        if request.layers == 1 { "" } else { "s" },
         significant(thickness * f64::from(request.layers), 6)
     ));
     lines.push(measures(film, request.target).to_owned());

@@ -38,8 +38,9 @@ pub(super) struct CompareArgs {
 
 pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let bounds = args.within.as_deref().map(|path| scenarios::expectations(path, true)).transpose();
-    let (runs, (bounds, ())) = both(stored(&args.runs), both(bounds, free(args)))?;
+    let (runs, bounds) = both(stored(&args.runs), bounds)?;
     check_signals(&runs, &args.signal)?;
+    free(args)?;
     let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let mut summary = comparison.summary();

@@ -54,10 +54,13 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
     })?;
     print_figures(shared, &builds, || {
         let lines = builds.iter().map(|BuildFigures { path, build, evaluations, bytes, runs, run_bytes, age_s }| {
-            let build = if build == build_name() { "this build".to_owned() } else { format!("droptower {build}") };
+            // A folder of another build is named, since `prune` removes it.
+            let whose = match build == build_name() {
+                true => "of this build".to_owned(),
+                false => format!("of another build, in {}", shown_path(path)),
+            };
             format!(
-                "{}: figures of {} runs and {} whole runs, {} kB, {} old, of {build}",
-                shown_path(path),
+                "{whose}: figures of {} runs and {} whole runs, {} kB, {} old",
                 grouped(*evaluations as u64),
                 grouped(*runs as u64),
                 grouped((bytes + run_bytes).div_ceil(1024)),
@@ -66,10 +69,12 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
         });
         let sum = |of: fn(&BuildFigures) -> usize| grouped(builds.iter().map(|build| of(build) as u64).sum());
         let total = format!(
-            "in all figures of {} runs and {} whole runs, which no command computes again; `droptower store prune` removes those of other builds",
-            sum(|build| build.evaluations),
-            sum(|build| build.runs)
+            "in all {} runs, which no command computes again; `droptower store prune` removes those of other builds",
+            sum(|build| build.evaluations + build.runs)
         );
+        if builds.is_empty() {
+            return format!("no runs are kept in {}", shown_path(&folder.store));
+        }
         let lines: Vec<String> = lines.chain([total]).collect();
         lines.join("\n")
     })

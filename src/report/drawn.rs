@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::html::{data, escape, kept_together};
-use base::number::{rounded, significant};
+use base::number::{plain, rounded, significant};
 use base::written;
 use plot::{Axis, Curve, Look, Mark, Plot, Scale};
 use scene::simulate::RateHistogram;
@@ -103,7 +103,7 @@ fn description(plot: &Plot) -> String {
             Some([low.min(value), high.max(value)])
         })
     };
-    let range = |[low, high]: [f64; 2]| format!("{} to {}", significant(low, 4), significant(high, 4));
+    let range = |ends: [f64; 2]| ends.map(|end| plain(rounded(end, 4))).join(" to ");
     let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
     let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
     let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.label, range(window.range)));

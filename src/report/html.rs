@@ -180,7 +180,7 @@ pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item 
     let (open, own): (Vec<&Finding>, Vec<&Finding>) =
         findings.into_iter().partition(|finding| post::left_open(&finding.code).is_some());
     let (warned, noted): (Vec<&Finding>, Vec<&Finding>) = own.into_iter().partition(|finding| finding.is_warning());
-    let facts = facts.iter().map(|fact| escape(fact));
+    let facts = facts.iter().map(|fact| worded(fact));
     let warnings = match items(facts.chain(grouped(&warned))) {
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
@@ -212,11 +212,11 @@ fn grouped(findings: &[&Finding]) -> Vec<String> {
 fn line_of_group(code: &str, group: &[&Finding]) -> String {
     let [first, _, ..] = group else { return group.iter().copied().map(with_code).collect() };
     let meaning = codes::find(code).map_or(first.message.as_str(), |code| code.meaning);
-    let own = items(group.iter().map(|finding| escape(&finding.message)));
+    let own = items(group.iter().map(|finding| worded(&finding.message)));
     format!(
         "<details><summary>{}: {} <code>{}</code></summary>\n{own}</details>",
         concerned(group),
-        escape(meaning),
+        worded(meaning),
         escape(code)
     )
 }
@@ -234,7 +234,18 @@ fn concerned(group: &[&Finding]) -> String {
 
 /// The HTML of a finding with its code, which `droptower explain` takes.
 fn with_code(finding: &Finding) -> String {
-    format!("{} <code>{}</code>", escape(&finding.message), escape(&finding.code))
+    format!("{} <code>{}</code>", worded(&finding.message), escape(&finding.code))
+}
+
+/// A text with its words between backticks set as code.
+pub(crate) fn worded(text: &str) -> String {
+    let parts: Vec<String> = escape(text).split('`').map(str::to_owned).collect();
+    if parts.len() % 2 == 0 {
+        return parts.join("`");
+    }
+    let code =
+        |(place, part): (usize, &String)| if place % 2 == 1 { format!("<code>{part}</code>") } else { part.clone() };
+    parts.iter().enumerate().map(code).collect()
 }
 
 /// Data for the page's scripts; no text in it can end the block.
@@ -323,7 +334,13 @@ fn items(items: impl Iterator<Item = String>) -> String {
 
 /// Preformatted text.
 pub(crate) fn verbatim(text: &str) -> String {
-    format!("<pre>{}</pre>\n", escape(text))
+    // Options do not wrap between their hyphens.
+    let option = |word: &str| match word.strip_prefix("--").is_some_and(|name| name.starts_with(char::is_alphabetic)) {
+        true => format!("<span class=\"option\">{word}</span>"),
+        false => word.to_owned(),
+    };
+    let words: Vec<String> = escape(text).split(' ').map(option).collect();
+    format!("<pre>{}</pre>\n", words.join(" "))
 }
 
 /// Most columns of a table that stays upright; a wider one with fewer rows than columns is turned.

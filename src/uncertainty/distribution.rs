@@ -52,7 +52,11 @@ impl From<Distribution> for Written {
 /// In words: `normal, mean 12, deviation 0.5, at least 10`.
 impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.describe(|value| value.to_string()))
+        let shown = |value: f64| match value.abs() {
+            small if small > 0.0 && small < 1e-3 => format!("{value:e}"),
+            _ => value.to_string(),
+        };
+        f.write_str(&self.describe(shown))
     }
 }
 

@@ -201,8 +201,9 @@ findings! {
             meaning "the best point of a search lies outside of the posterior: the search ended in a local minimum, as contact of coarse \
                 elements makes them, and its linear intervals are those of that minimum";
             remedy "take the posterior's values; a finer mesh or more `starts` bring the search nearer";
-            message "the search ended at {parameter} = {}, outside of the posterior's 95 %, {} to {} {unit}: its intervals do not count",
-                significant(*value, 4), significant(*low, 4), significant(*high, 4);
+            message "the search ended at {parameter} = {}, outside of the posterior's 95 %, {} to {}{}: its intervals do not count",
+                significant(*value, 4), significant(*low, 4), significant(*high, 4),
+                if unit.is_empty() { String::new() } else { format!(" {unit}") };
         PredictionWithout {
             scenario: String, "the scenario" => "scenario";
             parameter: String, "the parameter" => "parameter";

@@ -565,9 +565,10 @@ pub struct Fit {
 impl Fit {
     /// Quantity and unit, such as `acceleration (m/s²)`.
     pub fn label(&self) -> String {
-        self.unit
-            .as_ref()
-            .map_or_else(|| self.quantity.clone(), |unit| format!("{} ({})", self.quantity, unit.symbol()))
+        self.unit.as_ref().map_or_else(
+            || self.quantity.clone(),
+            |unit| format!("{} ({})", self.quantity, unit.symbol().replace("/s2", "/s²")),
+        )
     }
 }
 

@@ -35,7 +35,11 @@ findings! {
             remedy "`droptower explain` with each code says what it means and what to do; run one of the scenarios alone to see its \
                 warning";
             message "{}: {}",
-                if *runs == 1 { "the run has warnings".to_owned() } else { format!("of {runs} runs some have warnings") },
+                match runs {
+                    1 => "the run has warnings".to_owned(),
+                    _ if codes.iter().any(|(_, count)| count == runs) => format!("all {runs} runs have warnings"),
+                    _ => format!("of {runs} runs some have warnings"),
+                },
                 codes.iter().map(|(code, count)| format!("{code} ({count})")).collect::<Vec<_>>().join(", ");
         EndedEarly { cause: String, "the mistake" => "cause" } = "ended-early", Warning;
             meaning "a script or a study ended with a mistake after it had results: its tables and its page have what was found until then";
@@ -72,6 +76,13 @@ impl Warning {
 mod tests {
     use super::*;
     use base::finding::Report;
+
+    #[test]
+    fn all_runs_are_not_some() {
+        let of = |count| Warning::RunWarnings { runs: 88, codes: vec![("coarse-contact".into(), count)] }.to_string();
+        assert_eq!(of(88), "all 88 runs have warnings: coarse-contact (88)");
+        assert_eq!(of(8), "of 88 runs some have warnings: coarse-contact (8)");
+    }
 
     #[test]
     fn many_recordings_are_counted() {

@@ -138,7 +138,11 @@ impl Sweep {
     /// The changes of the scenario that give the run at `place`, as arguments of `--set`.
     pub fn changes(&self, place: usize) -> Vec<String> {
         let levels = self.variation.factors.iter().zip(self.point(place).levels);
-        levels.map(|(factor, level)| format!("{}={}", factor.path, level.node.to_toml())).collect()
+        let written = |value: toml::Value| match value.as_float() {
+            Some(small) if small != 0.0 && small.abs() < 1e-3 => format!("{small:e}"),
+            _ => value.to_string(),
+        };
+        levels.map(|(factor, level)| format!("{}={}", factor.path, written(level.node.to_toml()))).collect()
     }
 
     /// Keys of the evaluations of all runs; none of a run whose values make no valid scenario.
