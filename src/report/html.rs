@@ -465,6 +465,14 @@ mod tests {
     }
 
     #[test]
+    fn words_between_backticks_are_code_and_options_do_not_wrap() {
+        assert_eq!(worded("set `biaxial` < 1"), "set <code>biaxial</code> &lt; 1");
+        assert_eq!(worded("one ` alone"), "one ` alone");
+        let line = verbatim("droptower run --set a=1 -- b");
+        assert_eq!(line, "<pre>droptower run <span class=\"option\">--set</span> a=1 -- b</pre>\n");
+    }
+
+    #[test]
     fn a_finding_is_shown_with_its_code() {
         let finding = Finding::of_script("hard-impact", "the peak is > 500 m/s²");
         let html = findings(vec!["the run <failed>".into()], [&finding]);
@@ -492,7 +500,7 @@ mod tests {
         let all = [finding("1008"), finding("1009"), finding("1009")];
         let html = findings(vec![], &all);
         let meaning = codes::find("correlated").unwrap().meaning;
-        let line = format!("<summary>2 tests: {} <code>correlated</code></summary>", escape(meaning));
+        let line = format!("<summary>2 tests: {} <code>correlated</code></summary>", worded(meaning));
         assert!(html.contains(&line) && html.contains("<li>1008: &lt;k1&gt; and ke</li>"), "{html}");
         let own = [(); 2].map(|()| Finding::of_script("own-code", "the <same>"));
         assert!(findings(vec![], &own).contains("<summary>2 times: the &lt;same&gt; <code>own-code</code></summary>"));

@@ -432,3 +432,20 @@ impl Landmarks {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_surely_faster_fall_over_a_used_height_is_reported() {
+        let of = |share, height| Friction { guide: None, ends: None, share }.faster(height);
+        assert!(of([-0.02, -0.01], Some(1.0)).is_some());
+        // The interval holds the free fall; noise; a height that is not used.
+        for (share, height) in
+            [([-0.02, 0.01], Some(1.0)), ([-1e-5, -1e-6], Some(1.0)), ([-0.02, -0.01], None)]
+        {
+            assert_eq!(of(share, height), None);
+        }
+    }
+}
