@@ -63,13 +63,14 @@ findings! {
             remedy "compute the whole: `specimen.symmetry = \"none\"`, or the half whose plane the cut crosses";
             message "`specimen.cuts.{cut}` runs along the mirror plane {axis} = 0, where a tear takes twice its energy";
         AbsorptionNotGiven {
-            key: String, "path of the key that is left out" => "key";
+            key: String, "paths of the keys that are left out" => "key";
         } = "absorption-not-given" as ABSORPTION_NOT_GIVEN, Note;
             meaning "an impactor rebounds from film whose fabric gives no `absorption`: it is zero, so that all energy \
                 that the film stored is returned, and rebound and energy absorption say nothing about a test";
             remedy "give the `absorption` of the fabric, from the rebound of a drop test (`droptower reduce drop`), or \
                 0 where it is meant";
-            message "`{key}` is not given and taken as zero: the rebound of the impactor says nothing about a test";
+            message "`{key}` {} not given and taken as zero: the rebound of the impactor says nothing about a test",
+                if key.contains('`') { "are" } else { "is" };
     }
 }
 
@@ -182,16 +183,15 @@ fn on_mirror_planes(model: &Model) -> Vec<Warning> {
     warnings
 }
 
-/// The fabrics without `absorption` that an impactor falls on, by the paths of their keys.
-fn without_absorption(document: &Document, model: &Model) -> Vec<Warning> {
-    if model.loading.impact().is_none() {
-        return vec![];
-    }
+/// The fabrics without `absorption` that an impactor falls on, by the paths of their keys, in one warning.
+fn without_absorption(document: &Document, model: &Model) -> Option<Warning> {
+    model.loading.impact()?;
     let layers = (0..model.faces.len()).map(|place| format!("layer.{place}.material.fabric"));
     let fabrics = std::iter::once("specimen.material.fabric".to_owned()).chain(layers);
     let is_left_out =
         |path: &String| document.find(path).is_some() && document.find(&format!("{path}.absorption")).is_none();
-    fabrics.filter(is_left_out).map(|path| Warning::AbsorptionNotGiven { key: format!("{path}.absorption") }).collect()
+    let keys: Vec<String> = fabrics.filter(is_left_out).map(|path| format!("{path}.absorption")).collect();
+    (!keys.is_empty()).then(|| Warning::AbsorptionNotGiven { key: keys.join("`, `") })
 }
 
 /// The warning of a drawing that is too wide.

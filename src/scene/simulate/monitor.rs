@@ -166,10 +166,13 @@ impl Monitor {
         }
     }
 
-    /// Records the state of contact at `time` (s) on the body of this index and `size` (m).
-    pub(super) fn contact(&mut self, body: usize, time: f64, size: f64, state: &ContactState) {
+    /// Records the state of contact at `time` (s) on the body of this index and `size` (m). Edges count while the film `is_whole`: those
+    /// of torn film are as long as its pieces.
+    pub(super) fn contact(&mut self, body: usize, time: f64, size: f64, state: &ContactState, is_whole: bool) {
         self.sizes[body] = size;
-        self.record(Watch::Edge, body, time, state.longest_edge / size, bounds::EDGE);
+        if is_whole {
+            self.record(Watch::Edge, body, time, state.longest_edge / size, bounds::EDGE);
+        }
         self.record(Watch::Penetration, body, time, state.penetration / size, bounds::PENETRATION);
         // With bars, it is them that an impactor reaches.
         if state.frame_hit && !self.has_bars {
@@ -336,11 +339,7 @@ impl Monitor {
         for (body, (name, size)) in names.iter().zip(sizes).enumerate() {
             let watches = [Watch::Travel, Watch::Edge, Watch::Penetration, Watch::FrameHit];
             let found = watches.into_iter().filter_map(|watch| self.of_body(watch, body, name, size));
-            // Edges of film that has torn are as long as its pieces: they say nothing of what came before.
-            let is_torn = |time: f64| rupture_time.is_some_and(|rupture| time >= rupture);
-            out.extend(
-                found.filter(|warning| !matches!(warning, Warning::CoarseContact { time, .. } if is_torn(*time))),
-            );
+            out.extend(found);
         }
         let of_film = |watches: &[Watch]| -> Vec<Warning> {
             watches.iter().filter_map(|watch| self.of_film(*watch, model)).collect()
@@ -353,7 +352,9 @@ impl Monitor {
         if steps as f64 > bounds::UNRESOLVED * all as f64 {
             out.push(Warning::FilmContactUnresolved { steps, of: all });
         }
-        out.extend(of(unfinished, Warning::Unfinished));
+        if rupture_time.is_none() {
+            out.extend(of(unfinished, Warning::Unfinished));
+        }
         let nothing_hit =
             !missed.is_empty() && missed.iter().zip(met_others_alone).all(|(missed, other)| *missed || *other);
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));

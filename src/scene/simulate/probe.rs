@@ -272,7 +272,7 @@ impl<'a> Probe<'a> {
         self.record.monitor.strain(view, faces);
         self.record.monitor.biaxial(view.time, faces, self.model);
         for (body, (state, size)) in view.contact_states().enumerate() {
-            self.record.monitor.contact(body, view.time, size, &state);
+            self.record.monitor.contact(body, view.time, size, &state, self.record.rupture_time.is_none());
             if body < self.model.impactors.len() {
                 self.record.penetration = Some(self.record.penetration.unwrap_or(0.0).max(state.penetration / size));
             }
