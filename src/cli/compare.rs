@@ -44,6 +44,7 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let mut summary = comparison.summary();
+    summary.insert("answer".into(), compare_page::sentence(&comparison).into());
     summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&args.out, Path::new(".")).into());
     summary.extend(outside.as_deref().map(|outside| ("outside".to_owned(), json!(outside))));
     let stored = Draft::begin(&args.out, Origin::of_comparison(&args.runs), args.force).and_then(|draft| {

@@ -426,7 +426,7 @@ fn summary(run: &ScriptRun) -> Map<String, Value> {
     summary.insert("script".into(), json!(name));
     summary.insert("droptower".into(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("study".into(), Value::Object(call.clone()));
-    summary.extend(output.answer.iter().map(|answer| ("answer".into(), json!(answer))));
+    summary.extend(report::study_answer(output).map(|answer| ("answer".into(), json!(answer))));
     summary.extend(virtual_recordings.iter().map(|finding| ("warning".into(), json!(finding.message))));
     let warnings = output.findings.iter().filter(|finding| finding.is_warning());
     summary.insert("warnings".into(), warnings.map(|warning| json!(warning.message)).collect());

@@ -18,11 +18,11 @@ use crate::{Failure, Shared, folder, print_figures, shell, terminal};
 use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
 use base::number::time_taken;
 use base::shell::quoted;
-use base::written::digits;
 use report::SweepPage;
 use scene::scenario::Document;
 use study::evaluate::{EvaluationError, Evaluations};
 use study::post::{self, ranking_figure};
+use study::script::Row;
 use study::store::evaluations::Share;
 use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, STOPPED_TABLE, StoreError};
 use study::sweep::{Done, Effects, Stop, Sweep, SweepError, SweepResults, Work};
@@ -311,6 +311,9 @@ fn store(task: &Task, found: &SweepResults, args: &SweepArgs, shared: &Shared, s
     let summary = found.summary(sweep, seconds);
     let [command, single] = [command(args, "sweep"), command(args, "run")];
     let page = SweepPage { sweep, results: found, summary: &summary, command: &command, single: &single, figure };
+    let answer = report::sweep_answer(&page);
+    let summary = Row::from_iter(std::iter::once(("answer".to_owned(), answer.clone().into())).chain(summary.clone()));
+    let page = SweepPage { summary: &summary, ..page };
     let origin = Origin::of_sweep(&args.scenario);
     let scenario = format!("# droptower {}\n{}{}", env!("CARGO_PKG_VERSION"), origin.line(place), document.resolved());
     let write = || -> Result<Vec<String>, StoreError> {
@@ -324,7 +327,8 @@ fn store(task: &Task, found: &SweepResults, args: &SweepArgs, shared: &Shared, s
     let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(place, run)));
     let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Failure>>()?;
     let failure = run_all(runs, shared);
-    let printed = print_figures(shared, &summary, || text(sweep, found, seconds, &folder::listing(place, &files)));
+    let printed =
+        print_figures(shared, &summary, || text(sweep, found, &answer, seconds, &folder::listing(place, &files)));
     let failed = failed_runs(sweep, found);
     Failure::all([failure, failed].into_iter().flatten()).map_or(printed, Err)
 }
@@ -360,22 +364,19 @@ fn command(args: &SweepArgs, verb: &str) -> String {
     words.join(" ")
 }
 
-fn text(sweep: &Sweep, found: &SweepResults, seconds: f64, folder: &str) -> String {
-    let mut lines = vec![format!(
+fn text(sweep: &Sweep, found: &SweepResults, answer: &str, seconds: f64, folder: &str) -> String {
+    let runs = format!(
         "{}: {} runs, {} of them taken from earlier ones, {} failed, {}",
         sweep.model().name,
         found.table.rows(),
         found.reused,
         found.failed,
         time_taken(seconds)
-    )];
+    );
+    let mut lines = vec![format!("{}{runs}", terminal::sentences(answer))];
     lines.extend(medians(found));
     if found.effects.is_empty() && found.table.rows() > 0 {
         lines.push("  no effects: too few runs, or figures that do not vary; the page has their quantiles".into());
-    }
-    if let Some((probability, [low, high])) = found.rupture {
-        let [probability, low, high] = [probability, low, high].map(|share| digits(100.0 * share));
-        lines.push(format!("  the film ruptures in {probability} % of the runs (interval of 95 %: {low} to {high} %)"));
     }
     lines.push(terminal::findings_of_run("  ", &found.findings) + folder);
     lines.join("\n")

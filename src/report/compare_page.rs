@@ -17,7 +17,7 @@ use plot::{Curve, Plot, TIME};
 use scene::expectation::Outside;
 use scene::scenario::grammar;
 use study::post::comparison::{ComparedFigure, ComparedKey, ComparedRun, ComparedSignal};
-use study::post::{self, LEAST_SHARE, RunComparison, is_result};
+use study::post::{self, LEAST_SHARE, RunComparison};
 
 /// Most points of all curves, so that the page can be sent by mail.
 const MOST_POINTS: usize = 100_000;
@@ -38,9 +38,9 @@ pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> 
     let key_figures = html::sorted_table(&head("figure"), &rows);
     let others = html::sorted_table(&head("figure"), &shown_figures(comparison.other_figures()));
     let parts = [
-        bars(comparison),
-        html::section("Bounds", &outside.map(bounds).unwrap_or_default()),
         html::findings(Vec::new(), &comparison.findings),
+        html::section("Bounds", &outside.map(bounds).unwrap_or_default()),
+        bars(comparison),
         html::section("Scenarios", &html::sorted_table(&head("key"), &shown_keys(comparison))),
         html::section("Signals", &drawn::small(against.iter().chain(&over_time))),
         html::section("Figures", &folded("those that differ, and the key figures", &key_figures)),
@@ -242,9 +242,8 @@ impl Difference<'_> {
 
 /// The figures by which runs are judged that differ in a run, the largest difference first.
 fn judged(comparison: &RunComparison, run: usize) -> Vec<Difference<'_>> {
-    let is_judged = |figure: &&ComparedFigure| is_result(&figure.name);
     let of = |figure| Some(Difference { figure, share: ComparedFigure::difference(figure, run)? });
-    let mut all: Vec<Difference> = comparison.figures.iter().filter(is_judged).filter_map(of).collect();
+    let mut all: Vec<Difference> = comparison.judged(run).filter_map(of).collect();
     all.retain(|difference| difference.share.abs() >= LEAST_DIFFERENCE);
     all.sort_by(|a, b| b.share.abs().total_cmp(&a.share.abs()));
     all
@@ -258,10 +257,7 @@ pub fn sentence(comparison: &RunComparison) -> String {
         let differences = judged(comparison, run);
         let named = differences.iter().take(MOST_NAMED);
         let named: Vec<String> = named.map(|one| format!("{} {}", one.words(), signed_percent(one.share))).collect();
-        let is_compared = || {
-            let judged = comparison.figures.iter().filter(|figure| is_result(&figure.name));
-            judged.filter_map(|figure| figure.difference(run)).next().is_some()
-        };
+        let is_compared = || comparison.judged(run).any(|figure| figure.difference(run).is_some());
         match named.is_empty() {
             true if !is_compared() => format!("{name} and {first} have no key figure in common."),
             true => format!("{name} has the key figures of {first}."),

@@ -9,7 +9,7 @@ use base::units::{STANDARD_GRAVITY, Unit, printed};
 use base::written::LINE_FORCES;
 use scene::model::Model;
 use study::post::{
-    BodyFigures, HEADLINES, Headline, LEAST_SHARE, Measures, Results, TestKind, descends, headlines_of, is_too_coarse,
+    BodyFigures, HEADLINES, Headline, LEAST_SHARE, Measures, Results, TestKind, Verdict, descends, headlines_of,
     reached,
 };
 
@@ -137,7 +137,7 @@ pub(crate) fn cards(model: &Model, results: &Results, failed: bool, summary: &Ma
     let others = HEADLINES.iter().filter(is_shown).filter_map(|headline| card(headline, headline.words, "", summary));
     let unmet = bodies.iter().filter(|body| !body.had_film_contact && !failed).map(|body| not_met(&body.prefix));
     let cards: String = own.chain(others).chain(unmet).collect();
-    let film = film(summary, failed, is_too_coarse(results));
+    let film = film(summary, failed, results.audit.verdict);
     // A film that ruptured is what a reader asks for first.
     let [first, last] =
         if summary.contains_key(RUPTURE) && !summary[RUPTURE].is_null() { [&film, &cards] } else { [&cards, &film] };
@@ -190,14 +190,13 @@ fn number_of(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// Whether the film ruptured, and when; of a failed run, that it held until then.
-fn film(summary: &Map<String, Value>, failed: bool, is_coarse: bool) -> String {
-    let rupture = summary.get(RUPTURE).and_then(Value::as_f64);
-    let (shown, beside) = match rupture {
+/// The verdict on the film, and when it ruptured; of a failed run, that it held until then.
+fn film(summary: &Map<String, Value>, failed: bool, verdict: Verdict) -> String {
+    let [shown, beside] = verdict.tile();
+    let (shown, beside) = match summary.get(RUPTURE).and_then(Value::as_f64) {
         Some(time) => ("ruptured", format!("at {}", duration(time))),
-        None if failed => ("held", "until the run failed".into()),
-        None if is_coarse => ("not told", "elements too coarse".into()),
-        None => ("held", String::new()),
+        None if failed && verdict != Verdict::CannotBreak => ("held", "until the run failed".into()),
+        None => (shown, beside.into()),
     };
     Card { words: "film".into(), value: shown, beside: &beside, ..Card::default() }.html()
 }
@@ -276,13 +275,13 @@ mod tests {
 
     #[test]
     fn the_film_of_a_failed_run_held_until_it_failed() {
-        let whole = film(&Map::new(), false, false);
+        let whole = film(&Map::new(), false, Verdict::Held);
         assert!(whole.contains("held") && !whole.contains("run failed"));
-        assert!(film(&Map::new(), true, false).contains("until the run failed"));
-        assert!(film(&Map::new(), false, true).contains("too coarse"));
+        assert!(film(&Map::new(), true, Verdict::Held).contains("until the run failed"));
+        assert!(film(&Map::new(), false, Verdict::TooCoarse).contains("too coarse"));
         let ruptured = json!({ "rupture_time_s": 0.04 });
         assert!(
-            film(ruptured.as_object().unwrap(), true, true)
+            film(ruptured.as_object().unwrap(), true, Verdict::Ruptured)
                 .contains("ruptured</span><span class=\"beside\">at 40.0 ms")
         );
     }

@@ -36,5 +36,5 @@ pub use crate::run_scene::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace
 pub use crate::script_output::{cell, columns};
 pub use crate::stored::{StoredPage, StoredPageError};
 pub use crate::study_page::{StudyPage, study_answer, study_page};
-pub use crate::sweep_page::{SweepPage, sweep_page};
+pub use crate::sweep_page::{SweepPage, sweep_answer, sweep_page};
 pub use crate::test_page::test_page;

@@ -14,7 +14,7 @@ use base::written::{Reading, capital, digits};
 use plot::{Curve, Look, Plot, Window};
 use scene::model::Factor;
 use scene::scenario::grammar;
-use study::post;
+use study::post::{self, Verdict};
 use study::sweep::{Quantiles, Sweep, SweepResults, Table, Trend};
 
 /// The content of the page of a sweep.
@@ -34,6 +34,11 @@ pub struct SweepPage<'a> {
     pub figure: &'a str,
 }
 
+/// The sentence of the page.
+pub fn sweep_answer(page: &SweepPage) -> String {
+    sentence(page, &Columns::of_page(page))
+}
+
 /// `report.html` of a sweep.
 pub fn sweep_page(page: &SweepPage) -> String {
     let SweepPage { sweep, results, summary, command, .. } = *page;
@@ -41,8 +46,8 @@ pub fn sweep_page(page: &SweepPage) -> String {
     let columns = Columns::of_page(page);
     let facts = summary.iter().filter(|(_, value)| value.is_number());
     let parts = [
-        picture(page, &columns),
         html::findings(Vec::new(), &results.findings),
+        picture(page, &columns),
         html::section("What matters", &tornadoes(page, &columns)),
         html::section("Trends", &drawn::small(&scatters(page, &columns))),
         html::section("Worst runs", &worst_runs(page, &columns)),
@@ -108,7 +113,25 @@ fn cause(page: &SweepPage, columns: &Columns, figure: &Shown) -> String {
 fn held(results: &SweepResults) -> Option<String> {
     let (share, [low, high]) = results.rupture?;
     let [share_shown, low, high] = [share, low, high].map(|share| digits(100.0 * share));
+    let of =
+        |verdict: Verdict| results.verdicts.iter().find(|(own, _)| own == verdict.name()).map_or(0, |(_, runs)| *runs);
+    let count: usize = results.verdicts.iter().map(|(_, runs)| runs).sum();
+    let doubts = [
+        (Verdict::TooCoarse, "have elements that are too coarse to tell whether it holds"),
+        (Verdict::Descending, "end before the lowest point"),
+    ];
+    let doubts = doubts.iter().filter(|(verdict, _)| of(*verdict) > 0);
+    let doubts: Vec<String> = doubts.map(|(verdict, why)| format!("{} {why}", of(*verdict))).collect();
+    if !doubts.is_empty() {
+        let broke = if share > 0.0 {
+            format!("The film ruptures in {share_shown} % of the runs")
+        } else {
+            "No film broke".into()
+        };
+        return Some(format!("{broke}, but of {count} runs {}.", doubts.join(" and ")));
+    }
     Some(match share {
+        0.0 if of(Verdict::CannotBreak) == count && count > 0 => format!("{}.", Verdict::CannotBreak.sentence()),
         0.0 => format!("The film holds in every run: it ruptures with a probability below {high} %."),
         1.0 => format!("The film ruptures in every run: with a probability above {low} %."),
         _ => format!("The film ruptures in {share_shown} % of the runs (probability {low} to {high} %)."),

@@ -90,14 +90,19 @@ fn each_row_is_the_run_that_its_inputs_give() {
     let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
     assert!(page.contains("droptower run drop.toml --set &#39;impactor.mass="), "the page says how a run is repeated");
     assert!(
-        page.contains("<p class=\"lead\">Peak deceleration ") && page.contains("The film holds in every run"),
-        "no answer"
+        page.contains("<p class=\"lead\">Peak deceleration ")
+            && page.contains("of 12 runs 12 end before the lowest point"),
+        "no answer, or one that its runs do not give"
     );
     let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("the page has no {what}"));
     assert!(place("<figure class=\"plot\">") < place("<table") && place("class=\"ranges\"") < place("<table"));
     assert!(page.contains("title=\"specimen.material.thickness\">Thickness of one layer (µm)</th>"));
     assert!(page.contains("not distinguishable from 0 with 12 runs") && !page.contains("class=\"said\">\u{2212}"));
     let text = printed(&sweep(folder, &[]));
+    assert!(
+        text.starts_with("  Peak deceleration ") && found["answer"].as_str().is_some_and(|own| page.contains(own)),
+        "{text}"
+    );
     assert!(text.contains(" g  9 of 10 runs ") && text.contains(" mm  "), "{text}");
 }
 

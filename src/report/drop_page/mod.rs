@@ -136,16 +136,21 @@ const LEFT_OUT: &str = "what the folders hold besides recordings";
 /// Most points of the curves over each other, and of the small plots.
 const MOST_OF_SEVERAL: [usize; 2] = [40_000, 30_000];
 
+/// The sentence of the page of several recordings.
+pub fn several_answer(tests: &[DropTest], scatter: &[DropScatter]) -> String {
+    of_several(&names(tests), tests, scatter)
+}
+
 /// The page of several recordings.
 fn several_page(page: &DropPage<'_>) -> String {
     let DropPage { tests, scatter, .. } = *page;
     let names = names(tests);
     let title = if tests.len() == 1 { "1 drop test".to_owned() } else { format!("{} drop tests", tests.len()) };
     let parts = [
+        html::findings(failures(&names, tests), &findings(&names, tests)),
         overlaid(&names, tests),
         html::section("Medians and scatter", &medians(page)),
         html::section("Recordings", &recordings(&names, tests)),
-        html::findings(failures(&names, tests), &findings(&names, tests)),
         html::section("Each recording", &each(&names, tests)),
         html::section("Left out", &folded(LEFT_OUT, &html::list(page.left_out))),
         html::section("What was reduced", &origins(&names, tests)),

@@ -41,10 +41,10 @@ pub fn study_page(study: &StudyPage) -> String {
     let lead = answer::found(output, &estimates).unwrap_or_else(|| answer::described(script));
     let measures = &output.measures;
     let parts = [
+        html::findings(Vec::new(), &output.findings),
         answer::cards(measures, script),
         html::section("Measured and identified", &answer::curves(output)),
         html::section("Parameters", &answer::parameters(&estimates)),
-        html::findings(Vec::new(), &output.findings),
         script_output::sections(output, MOST_POINTS, Fold::All),
         html::section("Figures", &folded(&counted(measures.len(), "figure"), &figure::table(measures.iter()))),
         html::section("Log", &folded(&counted(output.log.len(), "line"), &html::list(&output.log))),

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::Verdict;
 use super::field::FieldFigures;
 use crate::field_comparison::FieldComparison;
 use base::number::clean_time;
@@ -26,6 +27,10 @@ pub struct Audit {
     /// Whether the film ruptured: whether a fibre, or an element of film with a rupture criterion of its own, is past its limit and
     /// deleted; of film that tears by and by, how far is `torn_length_m`.
     pub ruptured: bool,
+    /// `ruptured`, `held`, `too coarse to tell` where elements are too large for the impactor, `still descending` where the run ends
+    /// before the lowest point, or `cannot break` of film without a break criterion.
+    #[schemars(with = "String")]
+    pub verdict: Verdict,
     /// Time of the first such element.
     pub rupture_time_s: Option<f64>,
     /// Length of all tears in stress-free film; only of film with a rupture criterion of its own.
@@ -137,7 +142,7 @@ impl MeshFigures {
 
 impl Audit {
     /// The figures of a finished or failed run, and of its comparison with a displacement field.
-    pub(super) fn from_outcome(outcome: &Outcome, field: Option<&FieldComparison>) -> Audit {
+    pub(super) fn from_outcome(outcome: &Outcome, verdict: Verdict, field: Option<&FieldComparison>) -> Audit {
         let wall_s = outcome.wall.as_secs_f64();
         let relaxed = outcome.relaxation.map_or(0, |relaxation| relaxation.steps);
         let element_steps = outcome.elements as f64 * (outcome.steps + relaxed) as f64;
@@ -147,6 +152,7 @@ impl Audit {
         Audit {
             energy_balance_error: outcome.energy_balance_error,
             ruptured: outcome.rupture_time.is_some(),
+            verdict,
             rupture_time_s: outcome.rupture_time.map(clean_time),
             torn_length_m: outcome.torn.map(|torn| torn.length),
             torn_area_m2: outcome.torn.map(|torn| torn.area),

@@ -5,9 +5,9 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::figures::is_key_figure;
+use super::figures::{is_key_figure, is_result};
 use super::warning::VIRTUAL_REFERENCE;
-use super::{COST, HEADER, Warning};
+use super::{COST, HEADER, VERDICT, Verdict, Warning};
 use crate::script::{Row, object};
 use crate::store::StoredRun;
 use base::finding::Finding;
@@ -17,7 +17,7 @@ use lab::signal::{Annotations, Series, column};
 use scene::scenario;
 
 /// Whether and when film ruptured, which is one row of a comparison.
-const FILM: [&str; 2] = ["ruptured", "rupture_time_s"];
+const FILM: [&str; 3] = ["ruptured", "rupture_time_s", VERDICT];
 
 /// Several runs, compared with the first of them.
 #[derive(Clone, Debug)]
@@ -90,7 +90,11 @@ impl RunComparison {
             runs: runs.iter().zip(&names).map(subject).collect(),
             figures: figures(runs),
             keys: keys(runs),
-            findings: warnings(runs, &names).chain(alone).map(|warning| Finding::new(&warning)).collect(),
+            findings: warnings(runs, &names)
+                .chain(alone)
+                .map(|w| Finding::new(&w))
+                .chain(own_warnings(runs, &names))
+                .collect(),
             signals,
         }
     }
@@ -105,18 +109,27 @@ impl RunComparison {
         self.figures.iter().filter(|figure| figure.is_key() && !FILM.contains(&figure.name.as_str()))
     }
 
-    /// Of each run whether its film held, or when it ruptured; none where no run says so.
+    /// Of each run its verdict on the film, or when it ruptured; none where no run says so.
     pub fn film(&self) -> Option<Vec<String>> {
-        let [ruptured, times] = FILM.map(|name| self.figures.iter().find(|figure| figure.name == name));
+        let [ruptured, times, verdicts] = FILM.map(|name| self.figures.iter().find(|figure| figure.name == name));
         let time = |run: usize| times?.values[run].as_ref()?.as_f64();
+        let verdict = |run: usize| verdicts?.values[run].as_ref()?.as_str();
         let of_run =
             |(run, ruptured): (usize, &Option<Value>)| match (ruptured.as_ref().and_then(Value::as_bool), time(run)) {
                 (Some(true), Some(time)) => format!("ruptured at {}", duration(time)),
                 (Some(true), None) => "ruptured".into(),
-                (Some(false), _) => "held".into(),
+                (Some(false), _) => verdict(run).unwrap_or("held").into(),
                 (None, _) => "-".into(),
             };
         Some(ruptured?.values.iter().enumerate().map(of_run).collect())
+    }
+
+    /// The figures by which runs are judged that a run and the first one have; a lowest point that is none counts in neither.
+    pub fn judged(&self, run: usize) -> impl Iterator<Item = &ComparedFigure> {
+        let is_judged = move |figure: &&ComparedFigure| {
+            is_result(&figure.name) && ![0, run].iter().any(|run| figure.is_of_a_fall(*run, &self.figures))
+        };
+        self.figures.iter().filter(is_judged)
     }
 
     /// All other figures.
@@ -152,6 +165,15 @@ impl ComparedFigure {
         let number = |run: usize| self.values.get(run)?.as_ref()?.as_f64();
         let first = number(0).filter(|first| *first != 0.0)?;
         (run > 0).then(|| number(run).map(|value| value / first - 1.0))?
+    }
+
+    /// Whether it is the lowest point of an impactor that fell through film, or of one that still descended, in a run of `all` figures.
+    fn is_of_a_fall(&self, run: usize, all: &[ComparedFigure]) -> bool {
+        let Some(prefix) = self.name.strip_suffix("peak_displacement_m") else { return false };
+        let of = |name: &str| all.iter().find(|figure| figure.name == name)?.values[run].as_ref();
+        let goes_on = of("ruptured") == Some(&Value::Bool(true))
+            || of(VERDICT).and_then(Value::as_str) == Some(Verdict::Descending.name());
+        goes_on && of(&format!("{prefix}rebound_velocity_m_s")).is_none()
     }
 
     fn is_key(&self) -> bool {
@@ -258,6 +280,25 @@ fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Ite
     })
 }
 
+/// The warnings of the runs, each code once with the runs that have it; those of virtual recordings are findings of their own.
+fn own_warnings(runs: &[StoredRun], names: &[String]) -> Vec<Finding> {
+    let mut all: Vec<(Vec<&str>, Finding)> = vec![];
+    for (run, name) in runs.iter().zip(names) {
+        let findings = run.summary.get("findings").and_then(Value::as_array).into_iter().flatten();
+        let read = findings.filter_map(|finding| serde_json::from_value::<Finding>(finding.clone()).ok());
+        for finding in read.filter(|finding| finding.is_warning() && finding.code != VIRTUAL_REFERENCE.name) {
+            match all.iter_mut().find(|(_, known)| known.code == finding.code) {
+                Some((of, _)) if of.last() == Some(&name.as_str()) => {}
+                Some((of, _)) => of.push(name),
+                None => all.push((vec![name], Finding::of_script(&finding.code, &finding.message))),
+            }
+        }
+    }
+    let named =
+        |(of, own): (Vec<&str>, Finding)| Finding { message: format!("{}: {}", of.join(", "), own.message), ..own };
+    all.into_iter().map(named).collect()
+}
+
 /// Whether it is the file of a recording none of whose channels has the name of a signal of a run.
 fn is_raw(run: &StoredRun) -> bool {
     let is_file = run.summary.is_empty() && run.scenario.is_empty() && run.failure.is_none();
@@ -340,6 +381,27 @@ mod tests {
         assert_eq!(summary["figures"]["peak_force_N"]["differences"][1], -0.25);
         assert_eq!(summary["errors"]["force_N"], json!([null, 1.0, 1.0]));
         assert_eq!(summary["keys"]["layers.count"], json!(["8", "9", null]));
+    }
+
+    /// Nor is the lowest point of a dart that fell through a change, and each warning of the runs is one finding.
+    #[test]
+    fn runs_are_compared_by_their_verdicts() {
+        let warning = |code: &str| json!({ "code": code, "severity": "warning", "message": "m" });
+        let note = json!({ "code": "note", "severity": "note", "message": "n" });
+        let held = json!({
+            "ruptured": false, "verdict": "too coarse to tell", "peak_displacement_m": -0.1, "rebound_velocity_m_s": 1.0,
+            "peak_acceleration_m_s2": 90.0, "findings": [warning("coarse"), note],
+        });
+        let broke = json!({
+            "ruptured": true, "verdict": "ruptured", "peak_displacement_m": -0.6, "rebound_velocity_m_s": null,
+            "peak_acceleration_m_s2": 50.0, "findings": [warning("coarse"), warning("other"), warning("other")],
+        });
+        let comparison = RunComparison::from_runs(&[run("/r/a", held, "", &[]), run("/r/b", broke, "", &[])], &[]);
+        assert_eq!(comparison.film().unwrap(), ["too coarse to tell", "ruptured"]);
+        let judged: Vec<&str> = comparison.judged(1).map(|figure| figure.name.as_str()).collect();
+        assert!(judged.contains(&"peak_acceleration_m_s2") && !judged.contains(&"peak_displacement_m"), "{judged:?}");
+        let notes = messages(&comparison);
+        assert!(notes.ends_with(&["a, b: m".into(), "b: m".into()]), "{notes:?}");
     }
 
     #[test]

@@ -9,12 +9,14 @@ use serde_json::{Map, Value};
 
 use super::impact::BodyFigures;
 use super::results::{HEADER, OUTPUT};
-use super::{Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, Stretch, lowest_point};
+use super::{
+    Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, Stretch, VERDICT, Verdict, lowest_point,
+};
 use crate::script::object;
-use base::finding::Finding;
 use base::number::duration;
 use base::units::STANDARD_GRAVITY;
 use base::written::{Reading, capital, digits};
+use lab::signal::column::{self, Column};
 use scene::model::Model;
 use scene::model::loading::Test;
 
@@ -254,22 +256,22 @@ const MOST_TOLD: usize = 3;
 /// What a run answers: whether the film held, the first figures of each impactor, and what questions it.
 pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
     let figures = results.figures();
-    let film = match figures.get("rupture_time_s").and_then(Value::as_f64) {
-        Some(time) => format!("The film ruptured at {}", duration(time)),
-        None if failed => "The film held until the run failed".into(),
-        None if is_too_coarse(results) => {
-            "No film broke, but its elements are too coarse to tell whether it holds".into()
-        }
-        None => "The film held".into(),
+    let verdict = results.audit.verdict;
+    let film = match results.audit.rupture_time_s {
+        Some(time) => format!("{} at {}", verdict.sentence(), duration(time)),
+        None if failed && verdict != Verdict::CannotBreak => "The film held until the run failed".into(),
+        None => verdict.sentence().into(),
     };
     let of_body = |prefix: &String| {
+        if let Some(at_break) = at_break(results, prefix) {
+            return Some(format!("{}{at_break}", whose(prefix)));
+        }
         let told = headlines_of(model, results, prefix).filter(|headline| headline.judges);
         let text = |one: &Headline| {
             Some(format!("{} {}", one.words_of(descends(results, prefix)), one.text(prefix, &figures)?))
         };
         let told: Vec<String> = told.filter_map(text).take(MOST_TOLD).collect();
-        let whose = prefix.strip_suffix('_').map_or_else(String::new, |name| format!("{name}, "));
-        (!told.is_empty()).then(|| format!("{whose}{}", told.join(", ")))
+        (!told.is_empty()).then(|| format!("{}{}", whose(prefix), told.join(", ")))
     };
     let told: Vec<String> = prefixes(results).iter().filter_map(of_body).collect();
     let doubts = results.findings.iter().filter(|finding| finding.code == BREAK_STRAIN);
@@ -277,13 +279,33 @@ pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
     if told.is_empty() { format!("{film}.{doubts}") } else { format!("{film}: {}.{doubts}", told.join("; ")) }
 }
 
+/// The impactor whose figures begin with `prefix`, before what is told of it; empty of a single one.
+fn whose(prefix: &str) -> String {
+    prefix.strip_suffix('_').map_or_else(String::new, |name| format!("{name}, "))
+}
+
+/// Force, travel and energy of an impactor when film first broke; none where no film broke before it met the film.
+fn at_break(results: &Results, prefix: &str) -> Option<String> {
+    let Measures::Impact(_) = results.measures else { return None };
+    let until = results.signals.time.partition_point(|time| *time <= results.audit.rupture_time_s.unwrap_or(-1.0));
+    let of = |column: Column| Some(&results.signals.channel(&format!("{prefix}{}", column.name))?[..until]);
+    let [force, travel, velocity] = [of(column::CONTACT_FORCE)?, of(column::DISPLACEMENT)?, of(column::VELOCITY)?];
+    force.iter().any(|force| *force != 0.0).then_some(())?;
+    let power: Vec<f64> = force.iter().zip(velocity).map(|(force, velocity)| -force * velocity).collect();
+    let time = results.signals.time[..until].windows(2);
+    let energy: f64 = time.zip(power.windows(2)).map(|(t, p)| 0.5 * (p[0] + p[1]) * (t[1] - t[0])).sum();
+    let [force, travel] = [force.last()?, travel.last()?];
+    Some(format!("force {} N, travel {} mm, energy {} J", digits(*force), digits(-1e3 * travel), digits(energy)))
+}
+
 /// The headlines of an impactor's test beyond those of its answer, in words, and those of every test.
 pub fn further(model: &Model, results: &Results) -> Vec<String> {
     let figures = results.figures();
     let of_body = |prefix: &String| {
         let told = headlines_of(model, results, prefix).filter(|headline| headline.judges);
+        let most = if at_break(results, prefix).is_some() { 0 } else { MOST_TOLD };
         let told: Vec<&str> =
-            told.filter(|one| one.text(prefix, &figures).is_some()).map(|one| one.name).take(MOST_TOLD).collect();
+            told.filter(|one| one.text(prefix, &figures).is_some()).map(|one| one.name).take(most).collect();
         let whose = prefix.replace('_', " ");
         let rest = headlines_of(model, results, prefix)
             .filter(move |one| !told.contains(&one.name) && !one.name.ends_with("_error"));
@@ -298,14 +320,20 @@ pub fn further(model: &Model, results: &Results) -> Vec<String> {
     own.into_iter().chain(every).collect()
 }
 
-/// The headlines of the test of a run, without the deceleration of an impactor that only fell.
+/// The headlines of the test of a run, without the deceleration of an impactor that only fell, and without the lowest point of one
+/// that fell through film.
 pub fn headlines_of(model: &Model, results: &Results, prefix: &str) -> impl Iterator<Item = &'static Headline> + use<> {
     let is_falling = descends(results, prefix);
     let peak = |body: &super::BodyFigures| {
         body.prefix == prefix && body.peak_acceleration_m_s2.is_some_and(|peak| peak <= 0.0)
     };
     let fell = is_falling && matches!(&results.measures, Measures::Impact(impact) if impact.bodies.iter().any(peak));
-    TestKind::of(model).headlines().filter(move |headline| !(fell && headline.name == "peak_acceleration_m_s2"))
+    let fell_through = is_falling && results.audit.ruptured;
+    TestKind::of(model).headlines().filter(move |headline| match headline.name {
+        "peak_acceleration_m_s2" => !fell,
+        "peak_displacement_m" => !fell_through,
+        _ => true,
+    })
 }
 
 /// Whether an impactor still descends at the end.
@@ -321,15 +349,6 @@ fn prefixes(results: &Results) -> Vec<String> {
         }
         _ => vec![String::new()],
     }
-}
-
-/// Elements over the radius of a sphere from which three of them span it.
-const COARSE: f64 = 0.67;
-
-/// Whether the elements are too coarse to tell whether the film holds.
-pub fn is_too_coarse(results: &Results) -> bool {
-    let edge = |finding: &Finding| finding.figures.get("edge_over_radius").and_then(Value::as_f64);
-    results.findings.iter().filter_map(edge).any(|edge| edge > COARSE)
 }
 
 /// The figure by which runs of `model` are ranked where none is named.
@@ -358,7 +377,7 @@ pub fn is_result(name: &str) -> bool {
 
 /// Whether a figure is shown even where all runs agree.
 pub(super) fn is_key_figure(name: &str) -> bool {
-    find(name).next().is_some() || is_meant(name, RUPTURED)
+    find(name).next().is_some() || is_meant(name, RUPTURED) || name == VERDICT
 }
 
 fn find(name: &str) -> impl Iterator<Item = &'static Headline> {

@@ -12,6 +12,7 @@ mod results;
 pub(crate) mod run;
 #[cfg(test)]
 mod tests;
+mod verdict;
 mod warning;
 
 pub use crate::post::audit::{Audit, COST, MeshFigures, OF_THE_MACHINE};
@@ -19,7 +20,7 @@ pub use crate::post::comparison::RunComparison;
 pub use crate::post::field::{FieldFigures, FieldTime};
 pub use crate::post::figures::{
     FigureName, HEADLINES, Headline, LEAST_SHARE, TestKind, answer, badness, descends, figures, further, headlines_of,
-    is_known, is_of_script, is_result, is_too_coarse, ranking_figure, reached, reading,
+    is_known, is_of_script, is_result, ranking_figure, reached, reading,
 };
 pub use crate::post::impact::{BodyFigures, Impact, lowest_point};
 pub use crate::post::quasi_static::{Indent, Inflation, Stretch};
@@ -27,4 +28,5 @@ pub use crate::post::reference::ReferenceComparison;
 pub use crate::post::remedies::failure as failure_message;
 pub use crate::post::results::{EvaluateError, HEADER, Measures, Plan, PrepareError, Results};
 pub use crate::post::run::Run;
+pub use crate::post::verdict::{VERDICT, Verdict};
 pub use crate::post::warning::{CODES, FAILED_RUN, RunFindings, VIRTUAL_REFERENCE, Warning, left_open};

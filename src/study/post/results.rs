@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use super::field::{compare, warnings};
-use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Run, RunFindings, Stretch, run};
+use super::{Audit, Impact, Indent, Inflation, ReferenceComparison, Run, RunFindings, Stretch, Verdict, run};
 use crate::field_comparison::FieldComparison;
 use crate::functions;
 use crate::script::{self, Fault, Limits, OutputCollector, Script, ScriptOutput, object};
@@ -94,7 +94,8 @@ impl Results {
         let field = compare(model, outcome, comparison.as_ref());
         warnings(field.as_ref()).iter().for_each(|warning| findings.push(warning));
         let field = field.and_then(Result::ok).map(Arc::new);
-        let audit = Audit::from_outcome(outcome, field.as_deref());
+        let verdict = Verdict::of_run(model, outcome, &measures, &signals, &findings);
+        let audit = Audit::from_outcome(outcome, verdict, field.as_deref());
         let script_output = ScriptOutput::default();
         Ok(Results { signals, measures, audit, findings, comparison, field, script_output })
     }

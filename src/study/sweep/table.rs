@@ -1,6 +1,6 @@
 //! The results of a sweep: one table with a row for each run, the statistics of its figures, and their trends over an input.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::{Done, Sweep, warnings};
 use crate::evaluate::{Evaluation, EvaluationError, Evaluations, Figure, is_cost};
-use crate::post::{badness, is_of_script, is_result};
+use crate::post::{VERDICT, badness, is_of_script, is_result};
 use crate::script::{Row, RunFindings, object};
 use base::finding::Finding;
 use base::table::{Column, Values};
@@ -185,6 +185,8 @@ pub struct SweepResults {
     pub statistics: Vec<(String, Quantiles)>,
     /// Share of the runs whose film ruptured, and its interval of 95 %.
     pub rupture: Option<(f64, [f64; 2])>,
+    /// The verdicts on film, and how many runs have each.
+    pub verdicts: Vec<(String, usize)>,
     /// Main effects on the figures that vary.
     pub effects: Vec<Effects>,
     /// Implausible variations.
@@ -221,6 +223,7 @@ impl SweepResults {
             engine_s: done.engine_s,
             statistics: known.iter().map(|(column, of)| (column.name.clone(), *of)).collect(),
             rupture: rupture.map(|(share, interval)| (share, interval.ends())),
+            verdicts: verdicts(&table),
             effects,
             findings: warnings(&sweep.base, &sweep.variation).iter().map(Finding::new).collect(),
             table,
@@ -339,6 +342,15 @@ pub(super) fn of_column(column: &Column) -> Option<Quantiles> {
     let at = quantiles(&values, &[0.05, 0.5, 0.95])?;
     let [p05, p50, p95] = at[..] else { return None };
     Some(Quantiles { mean: mean(&values)?, deviation: deviation(&values), p05, p50, p95, count: values.len() })
+}
+
+/// The verdicts on film, and how many runs have each.
+fn verdicts(table: &Table) -> Vec<(String, usize)> {
+    let mut counts = BTreeMap::new();
+    if let Some(Values::Texts(verdicts)) = table.column(VERDICT).map(|column| &column.values) {
+        verdicts.iter().flatten().for_each(|verdict| *counts.entry(verdict.clone()).or_default() += 1);
+    }
+    counts.into_iter().collect()
 }
 
 /// Probability of what a column of Booleans states, and its interval (Wilson 1927).
@@ -477,6 +489,7 @@ mod tests {
             engine_s: 0.0,
             statistics: vec![],
             rupture: None,
+            verdicts: vec![],
             effects: vec![],
             findings: vec![],
         }

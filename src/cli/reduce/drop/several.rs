@@ -14,7 +14,7 @@ use base::finding::Finding;
 use base::number::{rounded, significant};
 use base::table::{Column, Values, to_csv};
 use lab::experiment::drop::Figures;
-use report::drop_page::{DROP_QUANTITIES, DropQuantity, names};
+use report::drop_page::{DROP_QUANTITIES, DropQuantity, names, several_answer};
 use report::{DropPage, DropScatter, DropTest, FigureScatter};
 use uncertainty::statistics::quantiles;
 
@@ -136,7 +136,8 @@ fn text(tests: &[DropTest], printed: &Printed<'_>) -> String {
     };
     let written: String = printed.written.iter().map(|file| format!("  {file}\n")).collect();
     let scatter: String = printed.scatter.iter().map(medians).collect();
-    [rows(tests), scatter, reported(tests), left_out, written].concat()
+    let answer = terminal::sentences(&several_answer(tests, printed.scatter));
+    [answer, rows(tests), scatter, reported(tests), left_out, written].concat()
 }
 
 /// A row a recording: figures, then the codes of its findings or why there is no drop.
