@@ -442,9 +442,7 @@ mod tests {
         let of = |share, height| Friction { guide: None, ends: None, share }.faster(height);
         assert!(of([-0.02, -0.01], Some(1.0)).is_some());
         // The interval holds the free fall; noise; a height that is not used.
-        for (share, height) in
-            [([-0.02, 0.01], Some(1.0)), ([-1e-5, -1e-6], Some(1.0)), ([-0.02, -0.01], None)]
-        {
+        for (share, height) in [([-0.02, 0.01], Some(1.0)), ([-1e-5, -1e-6], Some(1.0)), ([-0.02, -0.01], None)] {
             assert_eq!(of(share, height), None);
         }
     }
