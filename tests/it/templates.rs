@@ -243,7 +243,7 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
 fn the_answer_of_a_run_is_its_verdict() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "dart.toml"]));
-    let coarse = ["--set", "specimen.mesh.size=8mm", "--set", "post=", "--json"];
+    let coarse = ["--set", "specimen.mesh.size=8mm", "--unset", "post", "--json"];
     let run = |more: &[&str]| -> Json {
         let output = droptower(folder.path(), &[&["run", "dart.toml", "--force"][..], &coarse, more].concat());
         serde_json::from_str(&printed(&output)).expect("JSON")
