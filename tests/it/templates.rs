@@ -221,7 +221,7 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
     let doubted = |answer: &str| answer.contains("20 to 60 % of theirs");
     assert!(
         doubted(summary["answer"].as_str().expect("an answer"))
-            && summary["findings"][0]["code"] == "break-strain-of-coupons"
+            && summary["findings"].to_string().contains("\"code\":\"break-strain-of-coupons\"")
     );
     // A break strain that was found is not that of coupons.
     let moved = [
