@@ -124,7 +124,8 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
     if !found.status.success() {
         return Err(error(&found));
     }
-    let truths: Vec<(&str, f64)> = PARAMETERS.iter().map(|own| own.0).zip(truth).chain([("model error", share)]).collect();
+    let truths: Vec<(&str, f64)> =
+        PARAMETERS.iter().map(|own| own.0).zip(truth).chain([("model error", share)]).collect();
     Ok(posterior(&folder.join("found/tables/posterior.csv"), &truths))
 }
 
@@ -170,7 +171,8 @@ fn error_of_the_law(random: &mut ChaCha8Rng, clean: &[f64], share: f64) -> Vec<f
     let waves: Vec<[f64; 3]> = (0..200).map(|_| [normal(random) / length, normal(random), normal(random)]).collect();
     (0..clean.len())
         .map(|place| {
-            let sum: f64 = waves.iter().map(|[w, a, b]| a * (w * place as f64).cos() + b * (w * place as f64).sin()).sum();
+            let sum: f64 =
+                waves.iter().map(|[w, a, b]| a * (w * place as f64).cos() + b * (w * place as f64).sin()).sum();
             size(place) * sum / (waves.len() as f64).sqrt()
         })
         .collect()
