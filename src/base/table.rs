@@ -2,8 +2,6 @@
 
 use std::io;
 
-use serde_json::Value;
-
 /// A column, with a value or nothing in every row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -29,28 +27,6 @@ impl Column {
     pub fn of_numbers(name: impl Into<String>, numbers: impl IntoIterator<Item = f64>) -> Column {
         let values = numbers.into_iter().map(|number| Some(number).filter(|number| number.is_finite()));
         Column { name: name.into(), values: Values::Numbers(values.collect()) }
-    }
-
-    /// A column of JSON values: of numbers or Booleans where all are such, and else of strings.
-    pub fn of_json(name: impl Into<String>, values: &[Option<&Value>]) -> Column {
-        let there = || values.iter().flatten().filter(|value| !value.is_null());
-        let values = if there().all(|value| value.is_number()) {
-            Values::Numbers(values.iter().map(|value| value.and_then(Value::as_f64)).collect())
-        } else if there().all(|value| value.is_boolean()) {
-            Values::Flags(values.iter().map(|value| value.and_then(Value::as_bool)).collect())
-        } else {
-            Values::Texts(values.iter().map(|value| value.and_then(text)).collect())
-        };
-        Column { name: name.into(), values }
-    }
-}
-
-/// A JSON value as text; none where it is null.
-fn text(value: &Value) -> Option<String> {
-    match value {
-        Value::Null => None,
-        Value::String(text) => Some(text.clone()),
-        other => Some(other.to_string()),
     }
 }
 
@@ -113,26 +89,14 @@ pub fn to_csv(columns: &[Column]) -> io::Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
-    fn json_values_keep_their_kind_and_mixed_ones_are_texts() {
-        let column = |values: Value| {
-            let values: Vec<Value> = values.as_array().unwrap().clone();
-            Column::of_json("a", &values.iter().map(Some).collect::<Vec<_>>()).values
-        };
-        assert_eq!(column(json!([1, null, 2.5])), Values::Numbers(vec![Some(1.0), None, Some(2.5)]));
-        assert_eq!(column(json!([true, null])), Values::Flags(vec![Some(true), None]));
-        let texts = [Some("a".to_owned()), Some("1".to_owned()), None];
-        assert_eq!(column(json!(["a", 1, null])), Values::Texts(texts.to_vec()));
-        assert_eq!(Column::of_json("a", &[None, Some(&json!(1))]).values, Values::Numbers(vec![None, Some(1.0)]));
-    }
-
-    #[test]
     fn a_gap_is_an_empty_cell() {
-        let columns = [Column::of_numbers("a", [0.1, f64::NAN]), Column::of_json("b", &[Some(&json!("x, y")), None])];
+        let columns = [
+            Column::of_numbers("a", [0.1, f64::NAN]),
+            Column { name: "b".to_owned(), values: Values::Texts(vec![Some("x, y".to_owned()), None]) },
+        ];
         assert_eq!(String::from_utf8(to_csv(&columns).unwrap()).unwrap(), "a,b\n0.1,\"x, y\"\n,\n");
     }
 }

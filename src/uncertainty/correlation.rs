@@ -1,7 +1,5 @@
 //! Gaussian copula: inputs that vary together, each by its own distribution.
 
-use std::f64::consts::PI;
-
 use nalgebra::DMatrix;
 
 use crate::{Error, normal};
@@ -112,15 +110,17 @@ fn check(matrix: &[Vec<f64>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Spearman's rank correlation of two inputs whose normal scores have the correlation `correlation`.
-pub fn spearman(correlation: f64) -> f64 {
-    6.0 / PI * libm::asin(0.5 * correlation)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::design::{Levels, Method, points};
+
+    /// Spearman's rank correlation of two inputs whose normal scores have the correlation `correlation`.
+    fn spearman(correlation: f64) -> f64 {
+        6.0 / PI * libm::asin(0.5 * correlation)
+    }
 
     /// Kendall's rank correlation of two inputs whose normal scores have the correlation `correlation`.
     fn kendall(correlation: f64) -> f64 {
