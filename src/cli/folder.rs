@@ -405,11 +405,11 @@ fn steadiness(audit: &Audit) -> String {
     format!("{scaled}{added}")
 }
 
-/// A share in per cent with one decimal; one below 0.1 % with its first two digits.
+/// A share in per cent with one decimal; one below 0.1 % with its first two digits, down to a thousandth.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent.abs() {
-        small if small > 0.0 && small < 0.0995 => format!("{} %", number::significant(percent, 2)),
+        small if small >= 1e-3 && small < 0.0995 => format!("{} %", number::significant(percent, 2)),
         _ => format!("{percent:.1} %"),
     }
 }

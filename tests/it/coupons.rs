@@ -331,7 +331,7 @@ fn a_film_without_a_double_yield_point_becomes_a_material_too() {
     let output = reduce(recordings.to_str().unwrap(), &["-o", material.to_str().unwrap()]);
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(printed.contains("note[no-yield-points]: MD: the curve has no second yield point"), "{printed}");
-    assert!(printed.contains("the record ends under load; its end counts as the break"), "{printed}");
+    assert!(printed.contains("the record ends under load, and its end counts as the break"), "{printed}");
     assert!(fs::read_to_string(&material).unwrap().contains("md = { curve = [["));
     assert!(succeed(&["check", material.to_str().unwrap()]).starts_with("ok"));
 }

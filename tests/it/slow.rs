@@ -63,7 +63,7 @@ fn an_indentation_records_depth_and_force() {
     let energies = csv::read(&bench.path().join("runs/slow/energies.csv")).expect("energies");
     let given = -last(&energies, "external_J");
     assert!((figure(&summary, "work_J") / given - 1.0).abs() < 0.02, "{} of {given}", summary["work_J"]);
-    assert!(standard_error_and_output(&output).contains("kinetic share 0.0 %"));
+    assert!(standard_error_and_output(&output).contains("kinetic share 0.0"));
 }
 
 #[test]

@@ -88,7 +88,8 @@ fn each_row_is_the_run_that_its_inputs_give() {
     assert!(rows.iter().all(|row| peak(row) <= peak(&rows[place - 1])));
     assert!(kept[0].path().join("signals.csv").is_file());
     let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
-    assert!(page.contains("droptower run drop.toml --set &#39;impactor.mass="), "the page says how a run is repeated");
+    let repeat = "droptower run drop.toml <span class=\"option\">--set</span> &#39;impactor.mass=";
+    assert!(page.contains(repeat), "the page says how a run is repeated");
     assert!(
         page.contains("<p class=\"lead\">Peak deceleration ")
             && page.contains("of 12 runs 12 end before the lowest point"),
@@ -478,7 +479,7 @@ fn a_study_says_which_warnings_its_runs_have() {
     };
     let found = of_runs(&summary);
     assert!(found.len() == 1 && found[0]["runs"] == 2 && found[0]["codes"]["unfinished"] == 2, "{summary}");
-    assert!(error(&output).contains("warning[warnings-of-runs]: of 2 runs some have warnings: "), "{}", error(&output));
+    assert!(error(&output).contains("warning[warnings-of-runs]: all 2 runs have warnings: "), "{}", error(&output));
     let page = fs::read_to_string(scene.path().join("runs/study/report.html")).expect("a page");
     assert!(page.contains("warnings-of-runs"));
     let swept = summary_of_sweep(&scene);

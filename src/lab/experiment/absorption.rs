@@ -61,7 +61,8 @@ pub fn first_impact(displacement: &[f64]) -> usize {
     let (mut lowest, mut top) = (0.0_f64, 0);
     for (i, d) in displacement.iter().enumerate() {
         if *d < lowest {
-            if displacement[top] - lowest > -RISES * lowest {
+            // Above the film it falls to its first impact.
+            if lowest < 0.0 && displacement[top] - lowest > -RISES * lowest {
                 return top + 1;
             }
             (lowest, top) = (*d, i);
@@ -148,6 +149,8 @@ mod tests {
         let velocity: Vec<f64> = v.iter().copied().chain([-1.0; 99]).chain(again_v).collect();
         assert_eq!(first_impact(&displacement), first);
         assert_eq!(first_impact(&d), d.len());
+        let from_above: Vec<f64> = [2e-3, 1e-3].into_iter().chain(d.iter().copied()).collect();
+        assert_eq!(first_impact(&from_above), from_above.len());
         let body = Body { gravity: 0.0, ..BODY };
         assert_eq!(energy_absorption(body, &velocity, &displacement), energy_absorption(body, &v, &d));
     }
