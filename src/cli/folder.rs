@@ -409,7 +409,7 @@ fn steadiness(audit: &Audit) -> String {
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent.abs() {
-        small if small >= 1e-3 && small < 0.0995 => format!("{} %", number::significant(percent, 2)),
+        small if (1e-3..0.0995).contains(&small) => format!("{} %", number::significant(percent, 2)),
         _ => format!("{percent:.1} %"),
     }
 }

@@ -240,7 +240,7 @@ fn with_code(finding: &Finding) -> String {
 /// A text with its words between backticks set as code.
 pub(crate) fn worded(text: &str) -> String {
     let parts: Vec<String> = escape(text).split('`').map(str::to_owned).collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return parts.join("`");
     }
     let code =
