@@ -58,22 +58,31 @@ pub(super) enum Correlation {
 /// scale and a slope of the signal can hardly be told from.
 const LENGTHS: [f64; 8] = [0.02, 0.0325, 0.053, 0.086, 0.14, 0.228, 0.37, 0.6];
 
+/// How large the model's error is along a signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Size {
+    /// A share of the root mean square of the signal, everywhere.
+    Even,
+    /// A share of the signal where it is.
+    OfSignal,
+}
+
 /// The shape of the model's error along a signal: a process with Matérn's correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     /// Twice Matérn's ν: 1 (exponential), 3 (once differentiable), 5 (twice), or 0 for any number of times (squared exponential).
     order: u8,
     length: Correlation,
+    size: Size,
 }
 
 impl Shape {
     /// The shapes that count beside each other with this length, or with any.
     pub(super) fn all(length: Option<Correlation>) -> Vec<Shape> {
         let lengths = length.map_or_else(|| LENGTHS.map(Correlation::Share).to_vec(), |own| vec![own]);
-        [1, 3, 5, 0]
-            .into_iter()
-            .flat_map(|order| lengths.iter().map(move |length| Shape { order, length: *length }))
-            .collect()
+        let of_order = |(order, size)| lengths.iter().map(move |length| Shape { order, length: *length, size });
+        let sizes = [Size::Even, Size::OfSignal];
+        [1, 3, 5, 0].into_iter().flat_map(|order| sizes.map(|size| (order, size))).flat_map(of_order).collect()
     }
 
     /// Correlation of the error at two places, so many lengths apart.
@@ -126,7 +135,8 @@ impl fmt::Display for Shape {
             Correlation::Length(length) => write!(f, "{} ms", significant(1e3 * length, 3))?,
             Correlation::Share(share) => write!(f, "{} % of the window", significant(100.0 * share, 2))?,
         }
-        write!(f, ", {smooth}")
+        write!(f, ", {smooth}")?;
+        if self.size == Size::OfSignal { f.write_str(", as large as the signal") } else { Ok(()) }
     }
 }
 
@@ -349,7 +359,8 @@ impl ErrorModel {
         // The recordings show the roughness of the model's error as noise, too.
         let rough = self.fine.map_or(0.0, |(fine, factor)| factor * shape.third_difference(fine / length));
         let bin = window / bins as f64 / length;
-        let scale: Vec<f64> = self.noises().map(|noise| self.level / noise).collect();
+        let size = |mean: &f64| if shape.size == Size::OfSignal { mean.abs() } else { self.level };
+        let scale: Vec<f64> = self.noises().zip(&self.measured).map(|(noise, mean)| size(mean) / noise).collect();
         let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
         if is_even && self.directions().next().is_none() {
             let decomposed = decomposed(shape, bins, bin);

@@ -3,7 +3,7 @@
 use super::*;
 use uncertainty::random::Stream;
 
-const ROUGH: Shape = Shape { order: 1, length: Correlation::Share(0.03) };
+const ROUGH: Shape = Shape { order: 1, length: Correlation::Share(0.03), size: Size::Even };
 
 /// A half wave of 140 m/s² over 0.1 s at 10 kHz, with noise.
 fn half_wave(noise: f64, seed: u64) -> Series {
@@ -75,7 +75,7 @@ fn means_of_an_exponential_error_have_their_closed_covariance() {
 #[test]
 fn whitened_residuals_have_the_norm_of_the_covariance() {
     let (measured, simulated) = (half_wave(1.0, 1), half_wave(0.0, 1));
-    let shape = Shape { order: 3, length: Correlation::Length(2e-3) };
+    let shape = Shape { order: 3, length: Correlation::Length(2e-3), size: Size::Even };
     let model = of(&[&measured], Noise::Share(0.01), shape).unwrap();
     let share = 0.05;
     let means = DVector::from_vec(model.means(&simulated).unwrap()) - &model.measured;
@@ -226,6 +226,26 @@ impl Process {
     }
 }
 
+/// How large an error of the law is along the signal.
+#[derive(Clone, Copy)]
+enum Grows {
+    Not,
+    /// With the signal.
+    Along,
+    /// With the signal up to half its root mean square, and no further.
+    First,
+}
+
+impl Grows {
+    fn size(self, signal: f64, level: f64) -> f64 {
+        match self {
+            Grows::Not => level,
+            Grows::Along => signal,
+            Grows::First => level * (2.0 * signal / level).min(1.0),
+        }
+    }
+}
+
 /// A study of a law that is linear in two parameters, the scale and the stiffening of a wave, on quadrature.
 struct Study {
     /// Of the parameters: how far the truth is along the distribution of each.
@@ -259,13 +279,19 @@ enum Counted {
     Shared,
 }
 
-fn study(process: Process, recordings: usize, shapes: &[Shape], counted: Counted, stream: &mut Stream) -> Study {
+fn study(
+    (process, grows): (Process, Grows),
+    recordings: usize,
+    shapes: &[Shape],
+    counted: Counted,
+    stream: &mut Stream,
+) -> Study {
     let parts = parts();
     let level = root_mean_square(parts[0].values());
     let error = process.draw(SAMPLES_OF_STUDY, stream);
     let mut recorded = || {
         let own = parts[0].values().iter().zip(&error);
-        let values: Vec<f64> = own.map(|(v, e)| v + TRUE_SHARE * level * e + 0.3 * stream.normal()).collect();
+        let values: Vec<f64> = own.map(|(v, e)| v + TRUE_SHARE * grows.size(*v, level) * e + 0.3 * stream.normal()).collect();
         Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None, contact: Matrix2::zeros() }
     };
     let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();
@@ -328,7 +354,7 @@ fn study(process: Process, recordings: usize, shapes: &[Shape], counted: Counted
 /// the true one.
 fn coverage(
     studies: u64,
-    process: Process,
+    process: (Process, Grows),
     recordings: usize,
     shapes: &[Shape],
     counted: Counted,
@@ -368,7 +394,7 @@ fn holds(found: f64, level: f64) -> bool {
 #[test]
 fn an_error_that_is_a_process_is_found_at_its_size() {
     let ([of_95, of_80, of_50], size, of_size) =
-        coverage(studies(), Process::Rough(0.03), 1, &[ROUGH], Counted::Pooled);
+        coverage(studies(), (Process::Rough(0.03), Grows::Not), 1, &[ROUGH], Counted::Pooled);
     assert!((size - 1.0).abs() < 0.05 && of_size > 0.88, "{size} {of_size}");
     assert!(holds(of_95, 0.95) && holds(of_80, 0.8) && holds(of_50, 0.5), "{of_95} {of_80} {of_50}");
 }
@@ -376,11 +402,11 @@ fn an_error_that_is_a_process_is_found_at_its_size() {
 /// Six recordings of one test have one error of the law: as tests of their own they would seem to tell √6 times as much.
 #[test]
 fn recordings_of_one_test_do_not_narrow_what_the_law_is_off_by() {
-    let ([of_95, of_80, _], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Pooled);
+    let ([of_95, of_80, _], ..) = coverage(studies(), (Process::Rough(0.03), Grows::Not), 6, &[ROUGH], Counted::Pooled);
     assert!(holds(of_95, 0.95) && holds(of_80, 0.8), "{of_95} {of_80}");
-    let ([apart, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Apart);
+    let ([apart, ..], ..) = coverage(studies(), (Process::Rough(0.03), Grows::Not), 6, &[ROUGH], Counted::Apart);
     assert!(apart < 0.75, "{apart}");
-    let ([shared, ..], ..) = coverage(studies(), Process::Rough(0.03), 6, &[ROUGH], Counted::Shared);
+    let ([shared, ..], ..) = coverage(studies(), (Process::Rough(0.03), Grows::Not), 6, &[ROUGH], Counted::Shared);
     assert!(shared > 0.85, "{shared}");
 }
 
@@ -390,11 +416,24 @@ fn errors_of_any_length_and_smoothness_are_covered() {
     for process in
         [Process::Rough(0.03), Process::Rough(0.1), Process::Rough(0.3), Process::Smooth(0.1), Process::Smooth(0.3)]
     {
-        let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), Counted::Pooled);
+        let ([of_95, ..], ..) = coverage(studies(), (process, Grows::Not), 1, &Shape::all(None), Counted::Pooled);
         assert!(of_95 > 0.85, "{of_95}");
     }
-    let ([fixed, ..], ..) = coverage(studies(), Process::Smooth(0.1), 1, &[ROUGH], Counted::Pooled);
+    let ([fixed, ..], ..) = coverage(studies(), (Process::Smooth(0.1), Grows::Not), 1, &[ROUGH], Counted::Pooled);
     assert!(fixed < 0.85, "{fixed}");
+}
+
+/// Errors that are small where the signal is, in proportion or otherwise.
+#[test]
+fn errors_that_grow_with_the_signal_are_covered() {
+    for process in [Process::Rough(0.03), Process::Rough(0.1), Process::Smooth(0.1), Process::Smooth(0.3)] {
+        for grows in [Grows::Along, Grows::First] {
+            let ([of_95, ..], ..) = coverage(studies(), (process, grows), 1, &Shape::all(None), Counted::Pooled);
+            let even: Vec<Shape> = Shape::all(None).into_iter().filter(|own| own.size == Size::Even).collect();
+            coverage(studies(), (process, grows), 1, &even, Counted::Pooled);
+            assert!(of_95 > 0.85, "{of_95}");
+        }
+    }
 }
 
 /// An error that is smooth is told from a rough one, and its size is found.
