@@ -10,6 +10,7 @@ use std::ops::{
     Add, AddAssign, BitAnd, BitOr, Deref, DerefMut, Div, DivAssign, Mul, MulAssign, Neg, Not, Sub, SubAssign,
 };
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Elements that a block of the engine holds.
@@ -209,9 +210,34 @@ impl<const L: usize> Lane<L> {
     }
 }
 
+impl<const L: usize> Default for Mask<L> {
+    /// It holds in no lane.
+    fn default() -> Mask<L> {
+        Mask([false; L])
+    }
+}
+
 impl<const L: usize> Mask<L> {
     /// It holds in every lane.
     pub const ALL: Mask<L> = Mask([true; L]);
+
+    /// It holds in the first lanes, so many.
+    #[inline(always)]
+    pub fn first(count: usize) -> Mask<L> {
+        each!(Mask([false; L]); l => l < count)
+    }
+
+    /// Whether it holds in a lane.
+    #[inline(always)]
+    pub fn holds(&self, lane: usize) -> bool {
+        self.0[lane]
+    }
+
+    /// The lanes in which it holds.
+    #[inline(always)]
+    pub fn lanes(self) -> impl Iterator<Item = usize> {
+        (0..L).filter(move |lane| self.0[*lane])
+    }
 
     /// `yes` where it holds, else `no`: without a branch, both are computed.
     #[inline(always)]
@@ -265,7 +291,131 @@ impl<const L: usize> Not for Mask<L> {
 }
 
 /// Three Cartesian components of a vector in each lane.
-pub type Lane3<const L: usize = LANES> = [Lane<L>; 3];
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lane3<const L: usize = LANES>(pub [Lane<L>; 3]);
+
+impl<const L: usize> Deref for Lane3<L> {
+    type Target = [Lane<L>; 3];
+
+    #[inline(always)]
+    fn deref(&self) -> &[Lane<L>; 3] {
+        &self.0
+    }
+}
+
+impl<const L: usize> DerefMut for Lane3<L> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [Lane<L>; 3] {
+        &mut self.0
+    }
+}
+
+impl<'a, const L: usize> IntoIterator for &'a Lane3<L> {
+    type Item = &'a Lane<L>;
+    type IntoIter = std::slice::Iter<'a, Lane<L>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl<'a, const L: usize> IntoIterator for &'a mut Lane3<L> {
+    type Item = &'a mut Lane<L>;
+    type IntoIter = std::slice::IterMut<'a, Lane<L>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter_mut()
+    }
+}
+
+impl<const L: usize> Default for Lane3<L> {
+    #[inline(always)]
+    fn default() -> Lane3<L> {
+        Lane3::ZERO
+    }
+}
+
+impl<const L: usize> Lane3<L> {
+    /// Zero in each lane.
+    pub const ZERO: Lane3<L> = Lane3([splat(0.0); 3]);
+
+    /// One vector in every lane.
+    #[inline(always)]
+    pub fn splat(vector: impl Into<[f64; 3]>) -> Lane3<L> {
+        let [x, y, z] = vector.into();
+        Lane3([splat(x), splat(y), splat(z)])
+    }
+
+    /// The vector in a lane.
+    #[inline(always)]
+    pub fn vector(&self, lane: usize) -> Vector3<f64> {
+        Vector3::new(self[0][lane], self[1][lane], self[2][lane])
+    }
+
+    /// Replaces the vector in a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, vector: &Vector3<f64>) {
+        for axis in 0..3 {
+            self[axis][lane] = vector[axis];
+        }
+    }
+}
+
+/// An operator of vectors, component by component, with vectors; and of what all components share, with a vector.
+macro_rules! operators_of_vectors {
+    ($($trait:ident $function:ident, $assign:ident $in_place:ident: $operator:tt),*; scaled by $($factor:ty),*) => {
+        $(
+            impl<const L: usize> $trait for Lane3<L> {
+                type Output = Lane3<L>;
+
+                #[inline(always)]
+                fn $function(mut self, other: Lane3<L>) -> Lane3<L> {
+                    self $operator other;
+                    self
+                }
+            }
+
+            impl<const L: usize> $assign for Lane3<L> {
+                #[inline(always)]
+                fn $in_place(&mut self, other: Lane3<L>) {
+                    for axis in 0..3 {
+                        self.0[axis] $operator other.0[axis];
+                    }
+                }
+            }
+        )*
+        $(
+            impl<const L: usize> Mul<Lane3<L>> for $factor {
+                type Output = Lane3<L>;
+
+                #[inline(always)]
+                fn mul(self, mut vector: Lane3<L>) -> Lane3<L> {
+                    for axis in 0..3 {
+                        vector.0[axis] = self * vector.0[axis];
+                    }
+                    vector
+                }
+            }
+        )*
+    };
+}
+operators_of_vectors! {
+    Add add, AddAssign add_assign: +=,
+    Sub sub, SubAssign sub_assign: -=;
+    scaled by f64, Lane<L>
+}
+
+impl<const L: usize> Neg for Lane3<L> {
+    type Output = Lane3<L>;
+
+    #[inline(always)]
+    fn neg(mut self) -> Lane3<L> {
+        for axis in 0..3 {
+            self.0[axis] = -self.0[axis];
+        }
+        self
+    }
+}
 
 /// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so
 /// are the bits of the results.
@@ -398,16 +548,10 @@ pub fn dot<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane<L> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// a u + b v in each lane.
-#[inline(always)]
-pub fn combine<const L: usize>(a: Lane<L>, u: &Lane3<L>, b: Lane<L>, v: &Lane3<L>) -> Lane3<L> {
-    [a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]]
-}
-
 /// Vector product in each lane.
 #[inline(always)]
 pub fn cross<const L: usize>(a: &Lane3<L>, b: &Lane3<L>) -> Lane3<L> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    Lane3([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 }
 
 /// The larger of two numbers, as one instruction: `b` where either is NaN.

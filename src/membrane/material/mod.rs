@@ -52,7 +52,7 @@ pub use viscous::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::lane::{LANES, Lane, Lane3, combine, dot, one, splat};
+use crate::lane::{LANES, Lane, Lane3, dot, splat};
 
 /// Deformation gradient of a membrane: the images f₁ = F a₁ and f₂ = F a₂ of the unit vectors along MD and TD
 /// of the stress-free film.
@@ -79,7 +79,7 @@ impl<const L: usize> From<Gradient<L>> for Deformation<L> {
 impl From<[[f64; 3]; 2]> for Deformation<1> {
     /// A uniform gradient at one point.
     fn from(f: [[f64; 3]; 2]) -> Deformation<1> {
-        Deformation::from(f.map(|f| f.map(one)))
+        Deformation::from(f.map(Lane3::splat))
     }
 }
 
@@ -109,8 +109,8 @@ impl<const L: usize> Stress<L> {
     /// Stress at `d` of a law with these derivatives of its energy by the metric, Pa: 2 ∂W/∂|f_I|² and ∂W/∂(f₁·f₂).
     #[inline(always)]
     pub fn of_metric(d: &Deformation<L>, tension: [Lane<L>; 2], cross: Lane<L>) -> Stress<L> {
-        let [f1, f2] = &d.f;
-        Stress { p: [combine(tension[0], f1, cross, f2), combine(tension[1], f2, cross, f1)], tension, cross }
+        let [f1, f2] = d.f;
+        Stress { p: [tension[0] * f1 + cross * f2, tension[1] * f2 + cross * f1], tension, cross }
     }
 }
 

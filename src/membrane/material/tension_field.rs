@@ -116,6 +116,7 @@ impl MembraneLaw for TensionField {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::Lane3;
     use crate::material::History;
 
     const LAW: TensionField = TensionField(Elastic { young: 5e7, poisson: 0.4 });
@@ -124,7 +125,7 @@ mod tests {
     fn rotated([first, second]: [f64; 2]) -> Deformation<1> {
         let (s, c) = 0.3_f64.sin_cos();
         let [u, v] = [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0]];
-        let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
+        let f = |a: f64, b: f64| Lane3::splat([0, 1, 2].map(|i| first * a * u[i] + second * b * v[i]));
         Deformation::from([f(c, -s), f(s, c)])
     }
 

@@ -22,7 +22,7 @@ pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
 pub(super) fn turned([first, second]: [f64; 2], angles: [f64; 2]) -> Gradient<1> {
     let [(s, c), (t, d)] = angles.map(f64::sin_cos);
     let [u, v] = [[0.8 * d, t, 0.6 * d], [-0.8 * t, d, -0.6 * t]];
-    let f = |a: f64, b: f64| [0, 1, 2].map(|i| splat(first * a * u[i] + second * b * v[i]));
+    let f = |a: f64, b: f64| Lane3::splat([0, 1, 2].map(|i| first * a * u[i] + second * b * v[i]));
     [f(c, -s), f(s, c)]
 }
 
@@ -39,7 +39,7 @@ fn deformations() -> Vec<Deformation<1>> {
         ([[0.7, 0.1, 0.2], [0.2, 1.2, 0.1]], [0.05, 0.02]),
         ([[0.8, 0.1, 0.0], [0.05, 0.9, 0.1]], [0.01, 0.02]),
     ];
-    rows.map(|(f, variance)| Deformation { f: f.map(|v| v.map(splat)), stretch_variance: variance.map(splat) }).to_vec()
+    rows.map(|(f, variance)| Deformation { f: f.map(Lane3::splat), stretch_variance: variance.map(splat) }).to_vec()
 }
 
 /// Central differences of the energy against stress and tension, on the way up (peaks follow the strain) or on the
@@ -203,7 +203,7 @@ fn stiffness_of_elastic_film_is_bounded() {
 #[test]
 fn rotation_alone_gives_no_stress() {
     let (s, c) = 0.7_f64.sin_cos();
-    let d = Deformation::from([[c, s * 0.6, s * 0.8].map(splat), [-s, c * 0.6, c * 0.8].map(splat)]);
+    let d = Deformation::<1>::from([[c, s * 0.6, s * 0.8], [-s, c * 0.6, c * 0.8]]);
     let of_fabric = film(0.9).stress(&d, &mut PeakStrains::virgin(), 0.0).p;
     let of_elastic = Elastic { young: 5e7, poisson: 0.4 }.stress(&d, &mut PeakStrains::virgin(), 0.0).p;
     for p in [of_fabric, of_elastic] {

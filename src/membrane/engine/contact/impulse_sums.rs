@@ -45,16 +45,9 @@ impl LaneImpulseSums {
     #[inline(always)]
     pub(super) fn add(&mut self, normal: &Lane3, tangential: &Lane3, arm: &Lane3, film: &Lane3) {
         for (sum, part) in [(&mut self.normal, normal), (&mut self.tangential, tangential)] {
-            let (moment, work) = (cross(arm, part), dot(part, film));
-            for l in 0..LANES {
-                sum.film[l] += work[l];
-            }
-            for axis in 0..3 {
-                for l in 0..LANES {
-                    sum.impulse[axis][l] += part[axis][l];
-                    sum.moment[axis][l] += moment[axis][l];
-                }
-            }
+            sum.impulse += *part;
+            sum.moment += cross(arm, part);
+            sum.film += dot(part, film);
         }
     }
 

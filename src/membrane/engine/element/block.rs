@@ -53,14 +53,12 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
         if Self::POINTS == 1 {
             return self.deformation_at(0, x);
         }
-        let mut mean = Deformation::from([[splat(0.0); 3]; 2]);
+        let mut mean = Deformation::from([Lane3::ZERO; 2]);
         for point in 0..Self::POINTS {
             let d = self.deformation_at(point, x);
             for fibre in 0..2 {
                 mean.stretch_variance[fibre] += Self::SHARE * d.stretch_variance[fibre];
-                for axis in 0..3 {
-                    mean.f[fibre][axis] += Self::SHARE * d.f[fibre][axis];
-                }
+                mean.f[fibre] += Self::SHARE * d.f[fibre];
             }
         }
         mean
@@ -87,7 +85,7 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
     fn details(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockDetails<L> {
         let zero = splat(0.0);
         let mut out =
-            BlockDetails { stress: [zero; 3], thickness_ratio: zero, plastic_strain: zero, fibres: [[zero; 3]; 2] };
+            BlockDetails { stress: [zero; 3], thickness_ratio: zero, plastic_strain: zero, fibres: [Lane3::ZERO; 2] };
         for (point, (history, _)) in self.history().enumerate() {
             let d = self.deformation_at(point, x);
             let mut response = law.stress_of(&d, history);
@@ -103,8 +101,8 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
             for (mean, value) in out.stress.iter_mut().zip([md, td, shear]) {
                 *mean += Self::SHARE * value;
             }
-            for (mean, value) in out.fibres.iter_mut().flatten().zip(d.f.iter().flatten()) {
-                *mean += Self::SHARE * *value;
+            for fibre in 0..2 {
+                out.fibres[fibre] += Self::SHARE * d.f[fibre];
             }
         }
         out

@@ -33,12 +33,10 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     /// f_I = Σ_a ∂N_a/∂X_I x_a (theory.md, equation 1).
     #[inline(always)]
     fn deformation(&self, x: &[Lane3<L>; NODES]) -> Deformation<L> {
-        let mut f = [[splat(0.0); 3]; 2];
+        let mut f = [Lane3::ZERO; 2];
         for fibre in 0..2 {
-            for axis in 0..3 {
-                for a in 0..NODES {
-                    f[fibre][axis] += self.gradient[a][fibre] * x[a][axis];
-                }
+            for a in 0..NODES {
+                f[fibre] += self.gradient[a][fibre] * x[a];
             }
         }
         Deformation::from(f)
@@ -48,11 +46,9 @@ impl<P, const NODES: usize, const L: usize> Point<P, NODES, L> {
     #[inline(always)]
     fn subtract_stress(&self, p: &[Lane3<L>; 2], out: &mut [Lane3<L>; NODES]) {
         for fibre in 0..2 {
-            for axis in 0..3 {
-                let vp = self.volume * p[fibre][axis];
-                for a in 0..NODES {
-                    out[a][axis] -= self.gradient[a][fibre] * vp;
-                }
+            let vp = self.volume * p[fibre];
+            for a in 0..NODES {
+                out[a] -= self.gradient[a][fibre] * vp;
             }
         }
     }
@@ -95,7 +91,7 @@ impl<M: MembraneLaw, const NODES: usize, const POINTS: usize, const L: usize> Bl
         out: &mut [Lane3<L>; NODES],
     ) -> bool {
         let mut beyond = false;
-        *out = [[splat(0.0); 3]; NODES];
+        *out = [Lane3::ZERO; NODES];
         for (p, point) in self.points.iter_mut().enumerate() {
             let d = point.deformation(x);
             let mut stress = law.stress(&d, &mut point.history, dt);

@@ -155,8 +155,8 @@ fn scatter<const NODES: usize, const L: usize>(
 /// Multiplies the forces on a block's nodes by the `share` of each element.
 #[inline(always)]
 fn take_share<const NODES: usize, const L: usize>(out: &mut [Lane3<L>; NODES], share: &Lane<L>) {
-    for force in out.iter_mut().flatten() {
-        *force *= *share;
+    for force in out {
+        *force = *share * *force;
     }
 }
 
@@ -167,7 +167,7 @@ at_width! {
         elements: &mut Elements<M, B, NODES, L>, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>,
     ) -> bool {
         let mut failed = false;
-        let [mut x, mut out] = [[[splat(0.0); 3]; NODES]; 2];
+        let [mut x, mut out] = [[Lane3::ZERO; NODES]; 2];
         let Elements { law, blocks, viscous, common } = elements;
         // Known to the compiler, which leaves the viscous path out of laws that cannot have one.
         let mut viscous = match M::MEASURE {
@@ -225,7 +225,7 @@ at_width! {
     pub(super) fn strains[M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize](
         elements: &Elements<M, B, NODES>, position: &[&[f64]; 3], out: &mut [ElementStrain],
     ) {
-        let mut x = [[splat(0.0); 3]; NODES];
+        let mut x = [Lane3::ZERO; NODES];
         let blocks = elements.common.corners.blocks().zip(&elements.blocks);
         for ((corners, block), out) in blocks.zip(out.chunks_mut(LANES)) {
             gather(corners, position, &mut x);
@@ -245,7 +245,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
     /// Positions of the nodes of a block.
     #[inline(always)]
     pub(super) fn gather(&self, block: usize, position: &[&[f64]; 3]) -> [Lane3; NODES] {
-        let mut x = [[splat(0.0); 3]; NODES];
+        let mut x = [Lane3::ZERO; NODES];
         gather(self.common.corners.block(block), position, &mut x);
         x
     }
@@ -293,7 +293,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
     #[cfg_attr(not(test), inline)]
     pub(super) fn count_mounting(&mut self, width: Width, position: &[&[f64]; 3]) {
         let Elements { law, blocks, viscous: Some(viscous), common } = self else { return };
-        let mut x = [[splat(0.0); 3]; NODES];
+        let mut x = [Lane3::ZERO; NODES];
         for (b, (corners, block)) in common.corners.blocks().zip(blocks).enumerate() {
             gather(corners, position, &mut x);
             let energies = block_energies(width, block, &**law, None, &x);

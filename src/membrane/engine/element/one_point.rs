@@ -56,20 +56,15 @@ struct Shape<const L: usize> {
 impl<P: History<L>, const L: usize> OnePoint<L, P> {
     #[inline(always)]
     fn shape<const SKEWED: bool>(&self, x: &[Lane3<L>; 4]) -> Shape<L> {
-        let mut f = [[splat(0.0); 3]; 2];
-        let mut q = [splat(0.0); 3];
         let [b0, b1] = self.gradient;
-        for axis in 0..3 {
-            // At the centre, gradients of opposite nodes are opposite: diagonals take the place of four nodes, with half of
-            // the products.
-            let (d0, d1) = (x[0][axis] - x[2][axis], x[1][axis] - x[3][axis]);
-            q[axis] = 0.25 * ((x[0][axis] + x[2][axis]) - (x[1][axis] + x[3][axis]));
-            if SKEWED {
-                q[axis] -= self.skew[0] * d0 + self.skew[1] * d1;
-            }
-            f[0][axis] = b0[0] * d0 + b1[0] * d1;
-            f[1][axis] = b0[1] * d0 + b1[1] * d1;
+        // At the centre, gradients of opposite nodes are opposite: diagonals take the place of four nodes, with half of the
+        // products.
+        let (d0, d1) = (x[0] - x[2], x[1] - x[3]);
+        let mut q = 0.25 * ((x[0] + x[2]) - (x[1] + x[3]));
+        if SKEWED {
+            q -= self.skew[0] * d0 + self.skew[1] * d1;
         }
+        let f = [b0[0] * d0 + b1[0] * d1, b0[1] * d0 + b1[1] * d1];
         let squared = dot(&q, &q);
         // H_I of equation 13, whose ∂ξ/∂X are combinations of the gradients of the first two nodes.
         let mean_square =
@@ -82,22 +77,17 @@ impl<P: History<L>, const L: usize> OnePoint<L, P> {
     #[inline(always)]
     fn scatter<const SKEWED: bool>(&self, stress: &Stress<L>, h: &Lane3<L>, out: &mut [Lane3<L>; 4]) {
         let [b0, b1] = self.gradient;
-        for axis in 0..3 {
-            let (vp, vq) = (self.volume * stress.p[0][axis], self.volume * stress.p[1][axis]);
-            // Forces on opposite nodes differ in the sign of this part alone, so it is computed for two nodes, and momentum
-            // is conserved.
-            let mut first = b0[0] * vp + b0[1] * vq;
-            let mut second = b1[0] * vp + b1[1] * vq;
-            if SKEWED {
-                first -= self.skew[0] * h[axis];
-                second -= self.skew[1] * h[axis];
-            }
-            let quarter = 0.25 * h[axis];
-            out[0][axis] = -first - quarter;
-            out[1][axis] = quarter - second;
-            out[2][axis] = first - quarter;
-            out[3][axis] = quarter + second;
+        let (vp, vq) = (self.volume * stress.p[0], self.volume * stress.p[1]);
+        // Forces on opposite nodes differ in the sign of this part alone, so it is computed for two nodes, and momentum is
+        // conserved.
+        let mut first = b0[0] * vp + b0[1] * vq;
+        let mut second = b1[0] * vp + b1[1] * vq;
+        if SKEWED {
+            first -= self.skew[0] * *h;
+            second -= self.skew[1] * *h;
         }
+        let quarter = 0.25 * *h;
+        *out = [-first - quarter, quarter - second, first - quarter, quarter + second];
     }
 }
 
@@ -113,21 +103,15 @@ impl<const L: usize> Shape<L> {
         stabilisation: [f64; 2],
         left: [&Lane<L>; 2],
     ) -> Lane3<L> {
-        let (f, square) = (&self.deformation.f, self.mean_square);
+        let (f, q, square) = (self.deformation.f, self.q, self.mean_square);
         // Broken fibres stabilise nothing, as otherwise torn film would keep a stiffness against the hourglass mode.
-        let s0 = dot(&f[0], &self.q) * (stabilisation[0] * square[0] * *left[0]);
-        let s1 = dot(&f[1], &self.q) * (stabilisation[1] * square[1] * *left[1]);
+        let s0 = dot(&f[0], &q) * (stabilisation[0] * square[0] * *left[0]);
+        let s1 = dot(&f[1], &q) * (stabilisation[1] * square[1] * *left[1]);
         let tension = square[0] * stress.tension[0] + square[1] * stress.tension[1];
-        let mut h = self.q;
-        for axis in 0..3 {
-            let q = self.q[axis];
-            h[axis] = volume * (tension * q + (s0 * f[0][axis] + s1 * f[1][axis]));
-            // Second half of equation 14: the energy depends on f_I as well, and without this part it would not be
-            // conserved.
-            stress.p[0][axis] += s0 * q;
-            stress.p[1][axis] += s1 * q;
-        }
-        h
+        // Second half of equation 14: the energy depends on f_I as well, and without this part it would not be conserved.
+        stress.p[0] += s0 * q;
+        stress.p[1] += s1 * q;
+        volume * (tension * q + (s0 * f[0] + s1 * f[1]))
     }
 }
 

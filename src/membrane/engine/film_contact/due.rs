@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::FilmContact;
 use super::surface::NONE;
 use crate::engine::nodes::Vectors;
-use crate::lane::{LANES, Lane, Width, at_width, lanes, larger, smaller, splat};
+use crate::lane::{LANES, Lane, Width, at_width, lanes, smaller, splat};
 
 /// Pairs of which the soonest that is due is found at once.
 const BLOCK: usize = 64;
@@ -19,8 +19,8 @@ const BLOCK: usize = 64;
 /// The path that film may cover until two points are looked at again that are `apart` (m) by more than any constraint
 /// needs.
 #[inline(always)]
-pub(super) fn spared(apart: f64) -> f64 {
-    0.5 * larger(apart, 0.0)
+pub(super) fn spared<const L: usize>(apart: Lane<L>) -> Lane<L> {
+    0.5 * apart.max(0.0)
 }
 
 /// Pairs of parts of film that may meet, an entry each: of nodes and the triangles that they follow, of edges that cross, or
@@ -96,9 +96,7 @@ at_width! {
                 soonest[0] = smaller(*last, soonest[0]);
             }
             for group in groups {
-                for l in 0..LANES {
-                    soonest[l] = smaller(group[l], soonest[l]);
-                }
+                soonest = lanes(|l| group[l]).min(soonest);
             }
             // Most blocks are far from any other face.
             if soonest.iter().all(|soonest| *soonest > path) {
@@ -161,6 +159,7 @@ at_width! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
 
     #[test]
     fn what_is_due_is_listed_in_order_whatever_the_length_and_the_instructions() {
@@ -180,6 +179,6 @@ mod tests {
 
     #[test]
     fn a_path_that_is_not_a_number_spares_nothing() {
-        assert_eq!([spared(f64::NAN), spared(-1.0), spared(2.0)], [0.0, 0.0, 1.0]);
+        assert_eq!([f64::NAN, -1.0, 2.0].map(|apart| spared(one(apart))[0]), [0.0, 0.0, 1.0]);
     }
 }

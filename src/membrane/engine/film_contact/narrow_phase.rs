@@ -14,7 +14,7 @@ use super::{FilmContact, History};
 use crate::engine::disjoint::Disjoint;
 use crate::engine::nodes::{Nodes, Vectors};
 use crate::engine::thread_pool::ThreadPool;
-use crate::lane::{LANES, Lane, Lane3, at_width, cross, dot, larger, splat};
+use crate::lane::{LANES, Lane, at_width, cross, dot, one, splat};
 
 /// Range of the pairs of one kind, by its place in [`KINDS`], that one call examines.
 #[derive(Clone, Debug)]
@@ -89,7 +89,7 @@ impl Found {
             let place = self.places[entry] as usize;
             let (source, nodes) = of(place);
             let bound = pairs.bound[place];
-            let pair = Pair { nodes, weights, normal: Vector3::from(normal), distance, bound };
+            let pair = Pair { nodes, weights, normal, distance, bound };
             self.add(entry, Constraint::new(source, pair, step.nodes, step.dt));
         }
     }
@@ -249,7 +249,7 @@ impl FilmContact {
             return None;
         }
         let distance = sign * foot.distance;
-        found.spared[entry] = due::spared(distance - bound - step.margins[1]);
+        found.spared[entry] = due::spared(one(distance - bound - step.margins[1]))[0];
         (distance < tracking.pairs.limit(n, bound + step.margins[0])).then_some(Pair {
             nodes: [n as u32, corners[0], corners[1], corners[2]],
             weights: [1.0, -a, -b, -c],
@@ -323,7 +323,7 @@ struct Close {
     /// Of its nodes: of the node and the corners in the order of [`Tracking::corners`], or of the ends of both edges.
     weights: [f64; 4],
     /// Unit normal on the side on which the node, or the first edge, belongs.
-    normal: [f64; 3],
+    normal: Vector3<f64>,
     /// Along it, m.
     distance: f64,
 }
@@ -352,47 +352,33 @@ at_width! {
             let p = position.gather(&nodes);
             let a = position.gather(&corners[0]);
             let (b, c) = (position.gather(&corners[1]), position.gather(&corners[2]));
-            let (u, v, r) = (minus(&b, &a), minus(&c, &a), minus(&p, &a));
+            let (u, v, r) = (b - a, c - a, p - a);
             let area = cross(&u, &v);
             let (height, squared, from_corner) = (dot(&area, &r), dot(&area, &area), dot(&r, &r));
             // Weights of the corners times the square.
             let (of_b, of_c) = (dot(&cross(&r, &v), &area), dot(&cross(&u, &r), &area));
-            let (mut is_over, mut is_close, mut is_off) = ([0_u8; LANES], [0_u8; LANES], [0_u8; LANES]);
-            let [mut distance, mut length, mut left]: [Lane; 3] = [splat(0.0); 3];
-            for l in 0..LANES {
-                let beside = -BESIDE * squared[l];
-                length[l] = squared[l].sqrt();
-                distance[l] = sign[l] * (height[l] / length[l]);
-                // Comparisons as numbers joined by `&`, for `&&` is a branch.
-                let inside = u8::from(of_b[l] >= beside)
-                    & u8::from(of_c[l] >= beside)
-                    & u8::from(squared[l] - of_b[l] - of_c[l] >= beside);
-                is_over[l] = inside & u8::from(sign[l] != 0.0);
-                is_close[l] = is_over[l] & u8::from(distance[l] < limit[l]);
-                left[l] = if is_over[l] != 0 { due::spared(distance[l] - bound[l] - widest) } else { 0.0 };
-                // Pythagoras: the square of the distance along the triangle, without the foot itself.
-                is_off[l] = is_over[l] & u8::from(from_corner[l] - distance[l] * distance[l] > on_corner[l]);
-            }
-            spared.extend_from_slice(&left[..count]);
-            let mut any = 0;
-            for l in 0..LANES {
-                any |= is_off[l] | is_close[l] | (1 - is_over[l]);
-            }
+            let (beside, length) = (-BESIDE * squared, squared.sqrt());
+            let distance = sign * (height / length);
+            let inside = of_b.at_least(beside) & of_c.at_least(beside) & (squared - of_b - of_c).at_least(beside);
+            let is_over = inside & !sign.equals(0.0);
+            let is_close = is_over & distance.below(limit);
+            // Pythagoras: the square of the distance along the triangle, without the foot itself.
+            let is_off = is_over & (from_corner - distance * distance).above(on_corner);
+            spared.extend_from_slice(&is_over.select(due::spared(distance - bound - widest), 0.0)[..count]);
             // In most groups no lane has anything to report, and what follows is scalar.
-            if any == 0 {
+            if !(is_off | is_close | !is_over).any() {
                 continue;
             }
             for l in 0..count {
-                if is_over[l] == 0 {
+                if !is_over.holds(l) {
                     not_over.push(start + l);
                 }
-                if is_off[l] != 0 {
+                if is_off.holds(l) {
                     turned.push(nodes[l]);
                 }
-                if is_close[l] != 0 {
+                if is_close.holds(l) {
                     let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
-                    let scale = sign[l] / length[l];
-                    let normal = [area[0][l] * scale, area[1][l] * scale, area[2][l] * scale];
+                    let normal = area.vector(l) * (sign[l] / length[l]);
                     let weights = [1.0, -(1.0 - b - c), -b, -c];
                     close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
                 }
@@ -421,64 +407,41 @@ at_width! {
             }
             let (a, b) = (position.gather(&nodes[0]), position.gather(&nodes[1]));
             let (c, d) = (position.gather(&nodes[2]), position.gather(&nodes[3]));
-            let (e, f, w) = (minus(&b, &a), minus(&d, &c), minus(&a, &c));
+            let (e, f, w) = (b - a, d - c, a - c);
             let across = cross(&e, &f);
             let squared = dot(&across, &across);
             let (of_e, of_f, of_w) = (dot(&e, &e), dot(&f, &f), dot(&w, &w));
             let (height, s, t) = (dot(&across, &w), dot(&cross(&f, &w), &across), dot(&cross(&e, &w), &across));
-            let (mut is_close, mut has_turned) = ([0_u8; LANES], [0_u8; LANES]);
+            // Infinite or NaN for parallel edges, of which nothing is read.
+            let factor = sign / squared.sqrt();
+            let distance = factor * height;
+            let is_across = squared.above(PARALLEL * of_e * of_f);
+            let is_inside = s.at_least(0.0) & s.at_most(squared) & t.at_least(0.0) & t.at_most(squared);
+            // The sign was decided when the edges were listed; an edge that became or ceased to be parallel needs a new one.
+            let has_none = sign.equals(0.0);
+            let has_turned = (is_across & has_none) | !(is_across | has_none);
+            let is_close = is_across & is_inside & distance.below(limit) & !has_turned;
+            // Two parallel lines are nowhere nearer than one end of an edge to the line of the other, but for the angle
+            // between them.
             let along = dot(&e, &w);
-            let [mut distance, mut factor, mut left]: [Lane; 3] = [splat(0.0); 3];
-            for l in 0..LANES {
-                // Infinite or NaN for parallel edges; `is_across` is zero there, and nothing of it is read.
-                factor[l] = sign[l] / squared[l].sqrt();
-                distance[l] = factor[l] * height[l];
-                let is_across = u8::from(squared[l] > PARALLEL * of_e[l] * of_f[l]);
-                let is_inside = u8::from(s[l] >= 0.0)
-                    & u8::from(s[l] <= squared[l])
-                    & u8::from(t[l] >= 0.0)
-                    & u8::from(t[l] <= squared[l]);
-                // The sign was decided when the edges were listed; an edge that became or ceased to be parallel needs a new
-                // one.
-                has_turned[l] = is_across ^ u8::from(sign[l] != 0.0);
-                is_close[l] = is_across & is_inside & u8::from(distance[l] < limit[l]) & (1 - has_turned[l]);
-                // Two parallel lines are nowhere nearer than one end of an edge to the line of the other, but for the angle
-                // between them.
-                let beside = of_w[l] - along[l] * along[l] / of_e[l];
-                let turn = PARALLEL.sqrt() * (of_e[l].sqrt() + of_f[l].sqrt());
-                let apart = if is_across != 0 { distance[l] } else { larger(beside, 0.0).sqrt() - turn };
-                left[l] = due::spared(apart - bound[l] - widest) * f64::from(1 - has_turned[l]);
-            }
-            spared.extend_from_slice(&left[..count]);
-            let mut any = 0;
-            for l in 0..LANES {
-                any |= is_close[l] | has_turned[l];
-            }
-            if any == 0 {
+            let beside = of_w - along * along / of_e;
+            let turn = PARALLEL.sqrt() * (of_e.sqrt() + of_f.sqrt());
+            let apart = is_across.select(distance, beside.max(0.0).sqrt() - turn);
+            spared.extend_from_slice(&has_turned.select(0.0, due::spared(apart - bound - widest))[..count]);
+            if !(is_close | has_turned).any() {
                 continue;
             }
             for l in 0..count {
-                if has_turned[l] != 0 {
+                if has_turned.holds(l) {
                     turned.push(places[start + l]);
                 }
-                if is_close[l] != 0 {
+                if is_close.holds(l) {
                     let (s, t) = (s[l] / squared[l], t[l] / squared[l]);
-                    let normal = [across[0][l] * factor[l], across[1][l] * factor[l], across[2][l] * factor[l]];
+                    let normal = across.vector(l) * factor[l];
                     let weights = [1.0 - s, s, t - 1.0, -t];
                     close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
                 }
             }
         }
     }
-}
-
-#[inline(always)]
-fn minus(a: &Lane3, b: &Lane3) -> Lane3 {
-    let mut out = [splat(0.0); 3];
-    for axis in 0..3 {
-        for l in 0..LANES {
-            out[axis][l] = a[axis][l] - b[axis][l];
-        }
-    }
-    out
 }

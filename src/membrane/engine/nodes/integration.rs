@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::Nodes;
 use super::vectors::{Vectors, consecutive};
 use crate::engine::disjoint::Disjoint;
-use crate::lane::{LANES, Lane, Lane3, Width, at_width, larger, splat};
+use crate::lane::{LANES, Lane3, Mask, Width, at_width, larger, splat};
 
 /// Coefficients of a kick, v := decay·v + gain·F/m (theory.md, equation 15).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,7 +237,7 @@ pub(in crate::engine) struct Correction<'a> {
 }
 
 impl Correction<'_> {
-    /// Applies `impulse` (N s), zero where `active` is not one, to nodes of which no active one is repeated, and moves
+    /// Applies `impulse` (N s), zero but where `active`, to nodes of which no active one is repeated, and moves
     /// them by the change of velocity times `dt` (s). Returns their velocities.
     ///
     /// # Safety
@@ -246,19 +246,16 @@ impl Correction<'_> {
     pub(in crate::engine) unsafe fn apply_impulses(
         &self,
         nodes: &[u32; LANES],
-        active: &Lane,
+        active: Mask,
         impulse: &Lane3,
         dt: f64,
     ) -> Lane3 {
-        let mut after = [splat(0.0); 3];
+        let mut after = Lane3::ZERO;
         let Some(range) = consecutive(nodes) else {
-            for l in (0..LANES).filter(|l| active[*l] > 0.0) {
-                let impulse = [impulse[0][l], impulse[1][l], impulse[2][l]];
+            for l in active.lanes() {
                 // SAFETY: by the contract no other thread accesses these nodes.
-                let velocity = unsafe { self.apply_impulse(nodes[l] as usize, &impulse, dt) };
-                for axis in 0..3 {
-                    after[axis][l] = velocity[axis];
-                }
+                let velocity = unsafe { self.apply_impulse(nodes[l] as usize, &impulse.vector(l).into(), dt) };
+                after.set(l, &velocity.into());
             }
             return after;
         };
@@ -309,11 +306,10 @@ mod tests {
             let mut nodes = Nodes::default();
             nodes.extend((0..60).map(|n| [f64::from(n), 0.0, 0.0]), &[2.0; 60]);
             nodes.hold([42], [true, false, false]);
-            let mut active = splat(0.0);
-            (0..3).for_each(|l| active[l] = 1.0);
-            let impulse = [4.0 * active, 6.0 * active, splat(0.0)];
+            let active = Mask::first(3);
+            let impulse = Lane3([active.select(4.0, 0.0), active.select(6.0, 0.0), splat(0.0)]);
             // SAFETY: there is one thread.
-            unsafe { nodes.correction().apply_impulses(&group, &active, &impulse, 0.5) };
+            unsafe { nodes.correction().apply_impulses(&group, active, &impulse, 0.5) };
             for n in 0..60 {
                 let has_impulse = group[..3].contains(&(n as u32));
                 let along_x = if has_impulse && n != 42 { 2.0 } else { 0.0 };

@@ -54,7 +54,7 @@ impl Vectors {
     #[inline(always)]
     pub(in crate::engine) fn gather(&self, nodes: &[u32; LANES]) -> Lane3 {
         let [x, y, z] = &self.axes;
-        [gather(x, nodes), gather(y, nodes), gather(z, nodes)]
+        Lane3([gather(x, nodes), gather(y, nodes), gather(z, nodes)])
     }
 
     /// The vectors of all nodes.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::lane::one;
+use crate::lane::{Lane3, one};
 use crate::material::tests::{check_bound, check_derivative, check_work, random, turned};
 use crate::material::{Gradient, History};
 
@@ -164,7 +164,7 @@ fn check_closed_form<E: StrainEnergy + Clone>(energy: &E, slope: &dyn Fn([f64; 3
             let [uniaxial, equibiaxial, shear] = [[stretch, 1.0 / stretch.sqrt()], [stretch; 2], [stretch, 1.0]];
             for at in [uniaxial, equibiaxial, shear] {
                 let expected = closed.nominal(at);
-                let stress = virgin_stress(&law, [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(|f| f.map(splat)));
+                let stress = virgin_stress(&law, [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(Lane3::splat));
                 let found = [stress.p[0][0][0], stress.p[1][1][0]];
                 for i in 0..2 {
                     let error = (found[i] - expected[i]).abs();
@@ -202,7 +202,7 @@ fn stresses_of_compressible_film_are_their_closed_form() {
             let narrow = energy.natural_width(one(stretch * stretch))[0].sqrt();
             for at in [[stretch, narrow], [stretch; 2], [stretch, 1.0]] {
                 let law = Hyperelastic { energy: energy.clone(), wrinkling: false };
-                let f = [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(|f| f.map(splat));
+                let f = [[at[0], 0.0, 0.0], [0.0, at[1], 0.0]].map(Lane3::splat);
                 let third = law.thickness_ratio(&Deformation::from(f), &virgin_stress(&law, f))[0];
                 let volume = (at[0] * at[1] * third).ln();
                 let kirchhoff = |stretch: f64| mu * (stretch * stretch - 1.0) + lame * volume;

@@ -1,4 +1,5 @@
 use super::*;
+use crate::lane::Lane3;
 use crate::material::tests::{random, turned};
 use crate::material::{Gradient, History};
 
@@ -56,8 +57,7 @@ fn strained([e11, e22, e12]: [f64; 3]) -> Gradient<1> {
     let radius = apart.hypot(e12);
     let quotient = if radius < 1e-8 { 1.0 } else { radius.sinh() / radius };
     let (level, deviator) = (mean.exp() * radius.cosh(), mean.exp() * quotient);
-    [[level + deviator * apart, deviator * e12, 0.0], [deviator * e12, level - deviator * apart, 0.0]]
-        .map(|f| f.map(splat))
+    [[level + deviator * apart, deviator * e12, 0.0], [deviator * e12, level - deviator * apart, 0.0]].map(Lane3::splat)
 }
 
 /// The stress T that does work on E, of a history that includes this strain.
@@ -227,8 +227,7 @@ fn a_path_is_that_of_the_rate_equations() {
     {
         let path = |time: f64| {
             let turn = 3.0 * time;
-            [[1.0 + 0.3 * time, 0.1 * turn.sin(), 0.0], [0.25 * time, 1.0 - 0.1 * time, 0.2 * time]]
-                .map(|f| f.map(splat))
+            [[1.0 + 0.3 * time, 0.1 * turn.sin(), 0.0], [0.25 * time, 1.0 - 0.1 * time, 0.2 * time]].map(Lane3::splat)
         };
         let mut history = Point::virgin();
         let steps = 4000;
@@ -348,7 +347,7 @@ fn stress_is_the_derivative_of_the_stored_energy() {
 fn energy_is_closed_over_load_cycles() {
     let path = |time: f64| {
         let (s, c) = (std::f64::consts::TAU * time).sin_cos();
-        [[1.1 + 0.1 * s, 0.08 * s * c, 0.05 * s], [0.05 * (1.0 - c), 1.05 - 0.05 * c, 0.1 * c]].map(|f| f.map(splat))
+        [[1.1 + 0.1 * s, 0.08 * s * c, 0.05 * s], [0.05 * (1.0 - c), 1.05 - 0.05 * c, 0.1 * c]].map(Lane3::splat)
     };
     for law in laws() {
         let error = |steps: u32| {

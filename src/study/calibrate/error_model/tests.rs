@@ -291,7 +291,8 @@ fn study(
     let error = process.draw(SAMPLES_OF_STUDY, stream);
     let mut recorded = || {
         let own = parts[0].values().iter().zip(&error);
-        let values: Vec<f64> = own.map(|(v, e)| v + TRUE_SHARE * grows.size(*v, level) * e + 0.3 * stream.normal()).collect();
+        let values: Vec<f64> =
+            own.map(|(v, e)| v + TRUE_SHARE * grows.size(*v, level) * e + 0.3 * stream.normal()).collect();
         Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None, contact: Matrix2::zeros() }
     };
     let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();

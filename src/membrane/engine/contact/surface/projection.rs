@@ -5,7 +5,7 @@ use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Capsule;
 
 use super::{Part, Shape, Surface, vector};
-use crate::lane::{LANES, Lane, Lane3, dot, larger, smaller, splat};
+use crate::lane::{Lane, Lane3, Mask, dot, larger, smaller, splat};
 
 /// Projection of a point onto the surface.
 #[derive(Clone, Copy, Debug)]
@@ -35,56 +35,42 @@ impl Surface {
     }
 
     /// Signed distances and outward normals of points at `arm` (m) from the centre of mass of the body at `pose`, as of
-    /// [`Surface::project`]; undefined where `close` is zero. For balls and capsules parry's projection is written out
+    /// [`Surface::project`]; undefined where they are not `close`. For balls and capsules parry's projection is written out
     /// for all lanes at once.
     #[inline(always)]
     pub(in crate::engine::contact) fn project_lanes(
         &self,
         pose: &Isometry3<f64>,
         arm: &Lane3,
-        close: &Lane,
+        close: Mask,
     ) -> (Lane, Lane3) {
-        let (mut distance, mut normal): (Lane, Lane3) = (splat(0.0), [splat(0.0); 3]);
+        let (mut distance, mut normal): (Lane, Lane3) = (splat(0.0), Lane3::ZERO);
         match &self.shape {
             Shape::Ball(ball) => {
                 let squared = dot(arm, arm);
-                let mut scale: Lane = splat(0.0);
-                for l in 0..LANES {
-                    let length = squared[l].sqrt();
-                    distance[l] = length - ball.radius;
-                    // One division a lane instead of three; at the centre, where it is infinite, the normal is set
-                    // instead.
-                    scale[l] = 1.0 / length;
-                }
+                let length = squared.sqrt();
+                distance = length - ball.radius;
+                // One division a lane instead of three; at the centre, where it is infinite, the normal is set instead.
+                normal = (1.0 / length) * *arm;
                 for axis in 0..3 {
-                    for l in 0..LANES {
-                        normal[axis][l] =
-                            if squared[l] > 0.0 { arm[axis][l] * scale[l] } else { NORMAL_AT_CENTRE[axis] };
-                    }
+                    normal[axis] = squared.above(0.0).select(normal[axis], NORMAL_AT_CENTRE[axis]);
                 }
             }
             Shape::Capsule(capsule) => {
-                let axis = pose.rotation * Vector3::z();
-                let (axis, lateral) = ([axis.x, axis.y, axis.z], pose.rotation * Vector3::x());
-                for l in 0..LANES {
-                    let place =
-                        nearest_on_axis(capsule, arm[0][l] * axis[0] + arm[1][l] * axis[1] + arm[2][l] * axis[2]);
-                    let radial = |k: usize| arm[k][l] - axis[k] * place;
-                    let radial = [radial(0), radial(1), radial(2)];
-                    let length = (radial[0] * radial[0] + radial[1] * radial[1] + radial[2] * radial[2]).sqrt();
-                    distance[l] = length - capsule.radius;
-                    for k in 0..3 {
-                        normal[k][l] = if length > 0.0 { radial[k] / length } else { lateral[k] };
-                    }
+                let (axis, lateral) = (Lane3::splat(pose.rotation * Vector3::z()), pose.rotation * Vector3::x());
+                let place = dot(arm, &axis).max(capsule.segment.a.z).min(capsule.segment.b.z);
+                let radial = *arm - place * axis;
+                let length = dot(&radial, &radial).sqrt();
+                distance = length - capsule.radius;
+                for k in 0..3 {
+                    normal[k] = length.above(0.0).select(radial[k] / length, lateral[k]);
                 }
             }
             Shape::Solid(_) | Shape::Compound(_) | Shape::Bars(_) => {
-                for l in (0..LANES).filter(|l| close[*l] > 0.0) {
-                    let projection = self.shape.project(pose, &Vector3::new(arm[0][l], arm[1][l], arm[2][l]));
+                for l in close.lanes() {
+                    let projection = self.shape.project(pose, &arm.vector(l));
                     distance[l] = projection.distance;
-                    for axis in 0..3 {
-                        normal[axis][l] = projection.normal[axis];
-                    }
+                    normal.set(l, &projection.normal);
                 }
             }
         }
@@ -144,7 +130,7 @@ mod tests {
 
     use super::*;
     use crate::engine::contact::surface::test_shapes;
-    use crate::lane::lanes;
+    use crate::lane::{LANES, lanes};
 
     /// A box with edges of the radius e: the distance from a box that is smaller by e on every side, less e.
     #[test]
@@ -179,9 +165,8 @@ mod tests {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::zeros());
             for height in [0.0, 0.5, -1.0].map(|share| share * (surface.size() + surface.lowest(&pose.rotation))) {
                 let arm = Vector3::new(0.0, 0.0, height);
-                let (distance, normal) =
-                    surface.project_lanes(&pose, &[0, 1, 2].map(|axis| splat(arm[axis])), &splat(1.0));
-                let lanes = Projection { distance: distance[0], normal: Vector3::from_fn(|axis, _| normal[axis][0]) };
+                let (distance, normal) = surface.project_lanes(&pose, &Lane3::splat(arm), Mask::ALL);
+                let lanes = Projection { distance: distance[0], normal: normal.vector(0) };
                 for projection in [lanes, surface.project(&pose, &(pose.translation.vector + arm).into())] {
                     assert!((projection.distance + surface.size()).abs() < 1e-12, "{projection:?}");
                     assert!((projection.normal.norm() - 1.0).abs() < 1e-12, "{projection:?}");
@@ -204,17 +189,17 @@ mod tests {
         for surface in test_shapes() {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
             let arm: Lane3 =
-                [0, 1, 2].map(|axis| lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * [0.6, -0.5, -0.9][axis]));
-            let (distance, normal) = surface.project_lanes(&pose, &arm, &splat(1.0));
+                Lane3([0.6, -0.5, -0.9].map(|part| lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * part)));
+            let (distance, normal) = surface.project_lanes(&pose, &arm, Mask::ALL);
             for l in 0..LANES {
-                let arm = Vector3::new(arm[0][l], arm[1][l], arm[2][l]);
+                let arm = arm.vector(l);
                 let local = vector(&pose.rotation.inverse_transform_vector(&arm));
                 let reference = match &surface.shape {
                     Shape::Ball(ball) => signed(local, ball.project_local_point(local, false), &pose),
                     Shape::Capsule(capsule) => signed(local, capsule.project_local_point(local, false), &pose),
                     other => other.project(&pose, &arm),
                 };
-                let lanes = Projection { distance: distance[l], normal: Vector3::from_fn(|axis, _| normal[axis][l]) };
+                let lanes = Projection { distance: distance[l], normal: normal.vector(l) };
                 for projection in [lanes, surface.project(&pose, &(pose.translation.vector + arm).into())] {
                     let difference = projection.normal - reference.normal;
                     assert!(

@@ -17,6 +17,7 @@ use crate::engine::film_contact::narrow_phase::Step;
 use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::film_contact::tracking::{BESIDE, normal_of, project};
 use crate::engine::nodes::Vectors;
+use crate::lane::one;
 
 /// Cosine of the angle between a direction of contact and film beside its foot above which another part of that film is
 /// nearer, for a node beside an edge or a corner.
@@ -75,7 +76,7 @@ impl SelfContact {
                 Parts::Edges(edges) => self.edges(step, &pair, edges),
             };
             // Twice what a pair of two faces is spared: the distance is that of the parts themselves, whatever they do.
-            spared.push(2.0 * due::spared(apart - pair.bound - step.margins[1]));
+            spared.push(2.0 * due::spared(one(apart - pair.bound - step.margins[1]))[0]);
             // Decided anew when it is looked at again: edges may turn meanwhile.
             let sign = if spared[entry] > 0.0 { 0.0 } else { sign };
             let close = close.map(|close| Pair { bound: self.allowed(step, at, &close), ..close });
