@@ -41,10 +41,8 @@ struct Moved {
 /// Report of the clamp on a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clamping {
-    /// Dissipated, J.
-    pub(super) loss: f64,
-    /// Part of it that belongs to the half step after the full one.
-    pub(super) ahead: f64,
+    /// Dissipated in the half step before the full one, and in that after it, J.
+    pub(super) loss: [f64; 2],
     /// Square of the largest speed of a node in it, m²/s².
     pub(super) fastest_squared: f64,
 }
@@ -92,8 +90,8 @@ impl Clamp {
                 // Friction and the support's reaction together: the reaction does no work along the plane.
                 let impulse = nodes.mass[n] * (velocity - pulled);
                 let half = |velocity: &Vector3<f64>| -0.5 * self.multiplicity * impulse.dot(velocity);
-                sums.loss += half(&before) + half(&velocity);
-                sums.ahead += half(&velocity);
+                sums.loss[0] += half(&before);
+                sums.loss[1] += half(&velocity);
                 sums.fastest_squared = sums.fastest_squared.max(velocity.norm_squared());
             }
             self.next.push(Moved { position, velocity });

@@ -84,8 +84,8 @@ impl Collisions {
         true
     }
 
-    /// Energy that the impulses of the step dissipate, J, and the part of it that belongs to the half step after the
-    /// full one; `before` are the bodies before the step.
+    /// Energy that the impulses of the step dissipate in the half step before the full one, and in that after it, J; `before`
+    /// are the bodies before the step.
     pub(super) fn losses(&self, impacts: &[Impact], before: &[RigidBody]) -> [f64; 2] {
         let (mut behind, mut ahead) = (0.0, 0.0);
         for Collision { bodies: [a, b], arms, impulse, .. } in &self.points {
@@ -97,7 +97,7 @@ impl Collisions {
             behind += half_power(&before[*a], &before[*b]);
             ahead += half_power(&impacts[*a].body, &impacts[*b].body);
         }
-        [behind + ahead, ahead]
+        [behind, ahead]
     }
 
     /// Adds the impulses of the step to those that the bodies have got, and marks those that met the frame.
@@ -218,7 +218,7 @@ mod tests {
             let before: Vec<RigidBody> = bodies.iter().map(|impact| impact.body.clone()).collect();
             let mut collisions = Collisions::within(bodies, DT);
             collisions.solve(bodies, DT);
-            lost += collisions.losses(bodies, &before)[0];
+            lost += collisions.losses(bodies, &before).iter().sum::<f64>();
             deepest = collisions.points.iter().fold(deepest, |deepest, point| deepest.max(-point.gap));
             bodies.iter_mut().for_each(|impact| impact.body.drift(DT));
         }

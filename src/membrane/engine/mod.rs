@@ -11,6 +11,7 @@ mod contact;
 mod cushion;
 mod disjoint;
 mod element;
+mod energy;
 mod failure;
 mod film;
 mod film_contact;
@@ -42,6 +43,7 @@ pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, TooWide, Torn, UndefinedFibreDirection};
+pub use energy::{Energies, EnergyTerm};
 pub use failure::Failures;
 pub use failure::Fault;
 pub use film::{AddedMass, Film};
@@ -54,7 +56,6 @@ pub use mount::Patch;
 pub use mount::Section;
 pub use nodes::{Nodes, Vectors};
 pub use observer::{BodyTrack, Observer, Track, Unobserved, View};
-pub use observer::{Energies, EnergyTerm};
 pub use pressure::{Filling, Inflation};
 pub use relaxation::{Relaxation, Settling};
 pub use rigid_body::{Freedom, RigidBody};
@@ -70,6 +71,7 @@ use clamp::Clamping;
 use colouring::Colouring;
 use cushion::{CushionState, Enclosed};
 use disjoint::Disjoint;
+use energy::EnergyLedger;
 use film::SharedFilm;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
@@ -131,33 +133,6 @@ const NOW_AND_THEN: u64 = 16;
 
 /// Nodes of a range.
 const NODES_PER_RANGE: usize = 1024;
-
-/// Running totals of losses and external work, J.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct EnergyLedger {
-    /// Stored in fibres when they broke, and in film that tore.
-    rupture: f64,
-    /// Absorbed in fibres that broke.
-    absorbed: f64,
-    /// Lost to mass-proportional damping.
-    damping: f64,
-    /// Work of jaws and pressure, counted negative; that of an impactor with prescribed motion is in `contact.work`.
-    external: f64,
-    /// Part of `external` that belongs to the half step after the full one.
-    external_ahead: f64,
-    /// Dissipated by the guide.
-    guide: f64,
-    /// Part of `guide` that belongs to the half step after the full one.
-    guide_ahead: f64,
-    /// Dissipated where bodies meet.
-    collision: f64,
-    /// Part of `collision` that belongs to the half step after the full one.
-    collision_ahead: f64,
-    /// Dissipated in the frame's clamp.
-    clamp: f64,
-    /// Part of `clamp` that belongs to the half step after the full one.
-    clamp_ahead: f64,
-}
 
 impl Engine {
     /// An engine at time zero with one thread; `impacts` are the impactors, and after them the frame's bars if there
@@ -396,9 +371,7 @@ impl Engine {
     fn add_jaw_work(&mut self, dt: f64, kick: f64) {
         let power = |jaw: &Jaw| -self.nodes.total_force(&jaw.nodes, 0) * jaw.velocity;
         let power = self.loads.multiplicity * self.loads.jaws.iter().map(power).sum::<f64>();
-        self.progress.ledger.external -= power * kick;
-        // Half of this step's work belongs to the half step after the full one; energies at the full step leave it out.
-        self.progress.ledger.external_ahead = -0.5 * power * dt;
+        self.progress.ledger.external.add([-power * (kick - 0.5 * dt), -power * 0.5 * dt]);
     }
 
     /// Kicks nodes and bodies over `over` (s), moves the nodes by `dt` (s) and resolves their contact with the bodies
@@ -432,7 +405,8 @@ impl Engine {
         let fastest = sums.largest_speed_squared.max(clamping.fastest_squared).sqrt();
         let fastest = fastest.max(self.resolve_contact([over, dt], earlier.as_ref(), &mut sums));
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
-        self.progress.ledger.damping += self.loads.multiplicity * self.loads.damping * over * sums.damped;
+        let half = 0.5 * self.loads.multiplicity * self.loads.damping * over * sums.damped;
+        self.progress.ledger.damping.add([half, half]);
         fastest
     }
 
@@ -441,8 +415,7 @@ impl Engine {
         let Some(mut clamp) = self.clamp.take() else { return Clamping::default() };
         let clamping = clamp.predict(&self.nodes, self.bars(), self.loads.film_gravity(), [over, dt]);
         self.clamp = Some(clamp);
-        self.progress.ledger.clamp += clamping.loss;
-        self.progress.ledger.clamp_ahead = clamping.ahead;
+        self.progress.ledger.clamp.add(clamping.loss);
         clamping
     }
 

@@ -1,15 +1,13 @@
-//! Observers of a run, the state that they are shown, and the energies of that state, term by term.
+//! Observers of a run and the state that they are shown.
 
 use std::ops::Range;
-
-use serde::{Deserialize, Serialize};
 
 use super::film_contact::FilmContactState;
 use super::impact::Impact;
 use super::nodes::{Nodes, Vectors};
 use super::rigid_body::RigidBody;
 use super::springs::{SpringLoad, Springs, SpringsState};
-use super::{ContactState, ElementStrain, Engine, Fault, Film, Progress, TooWide, Torn, film};
+use super::{ContactState, ElementStrain, Engine, Fault, Film, TooWide, Torn, film};
 
 /// Follows a run without changing it.
 pub trait Observer {
@@ -120,52 +118,6 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The energy balance at this step.
-    pub fn energies(&self) -> Energies {
-        let Engine { progress: Progress { ledger, .. }, loads, previous, springs, impacts, film_contact, pool, .. } =
-            self.engine;
-        let multiplicity = loads.multiplicity;
-        let (g, of_film) = (loads.gravity, loads.film_gravity());
-        let mut out = Energies {
-            rupture: ledger.rupture,
-            absorbed: ledger.absorbed,
-            guide: ledger.guide - ledger.guide_ahead,
-            collision: ledger.collision - ledger.collision_ahead,
-            clamp: ledger.clamp - ledger.clamp_ahead,
-            springs: springs.as_ref().map_or(0.0, |springs| springs.stored(self.nodes)),
-            damping: ledger.damping,
-            external: ledger.external - ledger.external_ahead,
-            ..Energies::default()
-        };
-        for energy in film::energies(self.films, pool, self.nodes.position.axes()) {
-            out.stored += multiplicity * energy.stored;
-            out.absorbed += multiplicity * energy.absorbed;
-            out.hourglass += multiplicity * energy.hourglass;
-        }
-        for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let (v, u) = (self.nodes.velocity.value_at(n), previous.velocity.value_at(n));
-            // Product of both half steps, not the square of their mean: this is what central differences conserve
-            // (theory.md, equation 23).
-            out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
-        }
-        for (Impact { body, contact, .. }, before) in impacts.iter().zip(&previous.bodies) {
-            out.kinetic_impactor += body.kinetic_energy(before);
-            out.potential += body.potential_energy(g);
-            out.contact += contact.work.impact_loss;
-            out.friction += contact.work.friction_loss;
-            if body.has_prescribed_motion() {
-                // A body with prescribed motion has no energy to give: what it does comes from outside.
-                out.external -= contact.work.on_film - contact.work.ahead;
-            }
-        }
-        if let Some(contact) = film_contact {
-            out.contact += contact.history.work.impact_loss;
-            out.friction += contact.history.work.friction_loss;
-        }
-        out
-    }
-
     /// Strains of every element of each face, quads first, into `out`.
     pub fn strains(&self, out: &mut Vec<Vec<ElementStrain>>) {
         film::strains(self.films, &self.engine.pool, self.nodes.position.axes(), out);
@@ -254,82 +206,6 @@ impl View<'_> {
             nodes.dedup();
         }
         nodes
-    }
-}
-
-macro_rules! terms {
-    ($($(#[doc = $doc:literal])+ $term:ident = $name:literal;)+) => {
-        /// Terms of the energy balance, J. Their sum is constant (theory.md, equation 24).
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-        pub struct Energies {
-            $($(#[doc = $doc])+ pub $term: f64,)+
-        }
-
-        impl Energies {
-            /// The terms as channels, in the order of [`Energies::terms`].
-            pub const TERMS: &[EnergyTerm] = &[$(EnergyTerm { name: $name, sentence: &[$($doc),+] }),+];
-
-            /// The terms in order.
-            pub fn terms(&self) -> [f64; Self::TERMS.len()] {
-                [$(self.$term),+]
-            }
-        }
-    };
-}
-
-/// A term of the energy balance as a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EnergyTerm {
-    /// It ends with the unit.
-    pub name: &'static str,
-    /// Description, as one or more lines.
-    pub sentence: &'static [&'static str],
-}
-
-terms! {
-    /// Kinetic energy of the film.
-    kinetic_film = "kinetic_film_J";
-    /// Kinetic energy of the impactors.
-    kinetic_impactor = "kinetic_impactor_J";
-    /// Potential energy of film and impactors in gravity, over the undeformed state.
-    potential = "potential_J";
-    /// Elastic energy of the film, returned on unloading.
-    stored = "stored_J";
-    /// Energy absorbed by the film's law.
-    absorbed = "absorbed_J";
-    /// Energy that was stored in fibres when they broke, and in film that tore.
-    rupture = "rupture_J";
-    /// Energy in the stabilisation against hourglass modes.
-    hourglass = "hourglass_J";
-    /// Energy dissipated where nodes come into contact.
-    contact = "contact_J";
-    /// Energy dissipated by friction of film on the impactor, on the frame's bars and on film.
-    friction = "friction_J";
-    /// Energy dissipated by friction of the impactor's guide.
-    guide = "guide_J";
-    /// Energy dissipated where impactors meet each other or the frame's bars.
-    collision = "collision_J";
-    /// Energy dissipated by friction of film in the frame's clamp.
-    clamp = "clamp_J";
-    /// Elastic energy of the frame's springs.
-    springs = "springs_J";
-    /// Energy dissipated by mass-proportional damping.
-    damping = "damping_J";
-    /// External work by jaws, pressure, an impactor with prescribed motion or what launches an impactor, counted
-    /// negative.
-    external = "external_J";
-}
-
-impl Energies {
-    /// Sum of all terms.
-    pub fn total(&self) -> f64 {
-        self.terms().iter().sum()
-    }
-
-    /// Energy exchanged between the terms since `start`: half the sum of their changes in magnitude.
-    pub fn exchanged(&self, start: &Energies) -> f64 {
-        let changes = self.terms().iter().zip(start.terms()).map(|(now, then)| (now - then).abs()).sum::<f64>();
-        0.5 * changes
     }
 }
 

@@ -151,7 +151,7 @@ impl Engine {
     pub(super) fn inflate(&mut self) {
         let Some(inflation) = &self.loads.inflation else { return };
         let now = inflate(&self.films, &mut self.nodes, inflation.pressure_at(self.progress.time));
-        self.progress.ledger.external -= self.loads.multiplicity * now.work_since(self.progress.inflated);
+        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.inflated));
         self.progress.inflated = Some(now);
     }
 
@@ -194,7 +194,7 @@ impl Engine {
             nodes.force.add(n, (pressure * area).into());
         }
         let now = Inflated { pressure, volume };
-        self.progress.ledger.external -= self.loads.multiplicity * now.work_since(self.progress.inflated);
+        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.inflated));
         self.progress.inflated = Some(now);
     }
 
@@ -207,7 +207,7 @@ impl Engine {
         for (n, gradient) in enclosed.gradient.iter().enumerate() {
             self.nodes.force.add(n, (now.pressure * gradient).into());
         }
-        self.progress.ledger.external -= self.loads.multiplicity * now.work_since(self.progress.cushion);
+        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.cushion));
         self.progress.cushion = Some(now);
     }
 }

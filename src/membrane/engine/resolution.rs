@@ -26,8 +26,7 @@ const YIELDING: f64 = -0.9;
 pub(super) struct Resolved {
     /// Largest speed of a node in contact, m/s.
     pub(super) fastest: f64,
-    /// Energy that bodies lose where they meet each other, and the part of it that belongs to the half step after the
-    /// full one, J.
+    /// Energy that bodies lose where they meet each other in the half step before the full one, and in that after it, J.
     pub(super) collisions: [f64; 2],
 }
 
@@ -211,7 +210,7 @@ impl Engine {
             }
             let impact = &mut self.impacts[k];
             impact.release();
-            self.progress.ledger.external -= impact.body.kinetic_energy(&impact.body);
+            self.progress.ledger.external.add_at_once(-impact.body.kinetic_energy(&impact.body));
         }
         Ok(())
     }
@@ -232,19 +231,16 @@ impl Engine {
         self.impacts.iter_mut().for_each(|impact| impact.kick([over, dt], self.loads.gravity));
         let nodes = &mut self.nodes;
         let resolved = resolve(&mut self.impacts, &before, nodes, [over, dt], &self.pool, between.as_mut());
-        self.progress.ledger.guide_ahead = 0.0;
-        for (Impact { body, contact, .. }, before) in self.impacts.iter().zip(&before) {
-            let work = contact.guide_impulse.map_or([0.0; 2], |impulse| {
-                [before.velocity.z, body.velocity.z].map(|velocity| -0.5 * impulse * velocity)
-            });
-            self.progress.ledger.guide += work[0] + work[1];
-            self.progress.ledger.guide_ahead += work[1];
-        }
-        let [collision, ahead] = resolved.collisions;
-        self.progress.ledger.collision += collision;
-        self.progress.ledger.collision_ahead = ahead;
+        let of_guide = |(Impact { body, contact, .. }, before): (&Impact, &RigidBody)| {
+            let half = |body: &RigidBody| contact.guide_impulse.map_or(0.0, |impulse| -0.5 * impulse * body.velocity.z);
+            [half(before), half(body)]
+        };
+        let guides = self.impacts.iter().zip(&before).map(of_guide);
+        self.progress.ledger.guide.add(guides.fold([0.0; 2], |[a, b], [behind, ahead]| [a + behind, b + ahead]));
+        self.progress.ledger.collision.add(resolved.collisions);
         let mut fastest = resolved.fastest;
-        if let Some(between) = between.as_mut().filter(|between| between.is_near()) {
+        if let Some(between) = between {
+            // Also where films are apart now: what was lost in the step before was lost before this one.
             fastest = fastest.max(between.finish(nodes, dt));
         }
         if let (Some(earlier), Some(predicted)) = (earlier, predicted) {
@@ -262,7 +258,7 @@ impl Engine {
                 centre: body.centre().into(),
                 velocity: body.velocity.into(),
                 lateral_energy: body.lateral_energy(),
-                work: work.on_film,
+                work: work.on_film.total(),
                 impulse: work.impulse,
                 collision: impact.collision_impulse,
                 meets_frame: impact.meets_frame,

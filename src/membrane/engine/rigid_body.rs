@@ -313,14 +313,11 @@ impl RigidBody {
         }
     }
 
-    /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) with the mean of its motion `before`
-    /// and now, J.
-    pub(super) fn work_of(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>, before: &RigidBody) -> f64 {
-        let rotation = match self.freedom {
-            Freedom::Z => 0.0,
-            _ => moment.dot(&(self.spin + before.spin)),
-        };
-        0.5 * (impulse.dot(&(self.velocity + before.velocity)) + rotation)
+    /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) in the half step in which it moves so, J
+    /// (theory.md, equation 22).
+    pub(super) fn half_work(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>) -> f64 {
+        let rotation = if self.freedom == Freedom::Z { 0.0 } else { moment.dot(&self.spin) };
+        0.5 * (impulse.dot(&self.velocity) + rotation)
     }
 
     /// Velocity per impulse along `direction` at `arm` (m) from the centre of mass, 1/kg.

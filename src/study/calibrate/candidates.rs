@@ -113,7 +113,7 @@ fn candidate(given: &Dynamic, Calibrated { plan, fit, around, session }: &Calibr
     // Contact makes simulated signals rough, which is noise as it is of the tests; the model's error is as smooth as theirs.
     for signal in &mut test.signals {
         let own = signal.recordings[0].clone();
-        signal.errors.add_roughness(&own).map_err(|error| refuse!("{}: {error}", test.name))?;
+        signal.errors.set_simulated(&own).map_err(|error| refuse!("{}: {error}", test.name))?;
         if let Some(along) = along {
             signal.errors.set_shape(along.errors.shape());
         }

@@ -74,7 +74,7 @@ impl Fit {
         let begin = Instant::now();
         let simulated = simulated_at(plan, &values, session)?;
         host.tell(&beforehand(plan, begin.elapsed()));
-        add_roughness(plan, &simulated);
+        set_simulated(plan, &simulated);
         let mut so_far = SoFar::default();
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
         let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
@@ -166,7 +166,7 @@ fn with_what_is_left(
 ) -> HostResult<(SearchResult, Vec<Vec<Series>>, f64)> {
     let mut rounds = 0;
     let mut simulated = simulated_at(plan, &values, session)?;
-    add_roughness(plan, &simulated);
+    set_simulated(plan, &simulated);
     so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
     so_far.add_findings(&mesh::add(plan, &simulated, &values, session)?.warnings);
     let mut share = estimated(plan, &simulated)?;
@@ -179,7 +179,7 @@ fn with_what_is_left(
         rounds += 1;
         let before = noises(plan);
         simulated = simulated_at(plan, &values, session)?;
-        add_roughness(plan, &simulated);
+        set_simulated(plan, &simulated);
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
         let of_mesh = mesh::add(plan, &simulated, &values, session)?;
         so_far.add_findings(&of_mesh.warnings);
@@ -367,12 +367,11 @@ fn of_tests<T: Send>(plan: &Plan, of: impl Fn(usize) -> HostResult<T> + Send + S
     found.into_iter().collect()
 }
 
-/// Takes the roughness of the simulated signals as noise; a signal that ends before its window has none
-/// yet.
-fn add_roughness(plan: &mut Plan, simulated: &[Vec<Series>]) {
+/// Takes the roughness of the simulated signals as noise, and their size; a signal that ends before its window has none yet.
+fn set_simulated(plan: &mut Plan, simulated: &[Vec<Series>]) {
     for (test, simulated) in plan.tests.iter_mut().zip(simulated) {
         for (signal, simulated) in test.signals.iter_mut().zip(simulated) {
-            drop(signal.errors.add_roughness(simulated));
+            drop(signal.errors.set_simulated(simulated));
         }
     }
 }

@@ -312,8 +312,7 @@ impl Contact {
         for impulse in impulses {
             let after = nodes.velocity_of(impulse.node);
             first.largest_speed_squared = first.largest_speed_squared.max(after.norm_squared());
-            let mean = 0.5 * (after + Vector3::from(self.previous_velocity.value_at(impulse.node)));
-            first.sums.add(&impulse, &mean);
+            first.sums.add(&impulse, [&self.previous_velocity.value_at(impulse.node).into(), &after]);
             first.impulses.push(impulse);
         }
     }

@@ -5,6 +5,7 @@ use std::ops::Add;
 use nalgebra::Vector3;
 
 use super::{Impulse, Work};
+use crate::engine::energy::Loss;
 use crate::engine::rigid_body::RigidBody;
 use crate::lane::{LANES, Lane, Lane3, cross, dot, lanes};
 
@@ -22,8 +23,8 @@ struct Sum {
     impulse: Vector3<f64>,
     /// About the centre of mass, N m s.
     moment: Vector3<f64>,
-    /// Work on the film: times the mean of its velocities before and after, J.
-    film: f64,
+    /// Work on the film, in the half step before the full one and in that after it, J.
+    film: [f64; 2],
 }
 
 /// Impulse sums, one a lane.
@@ -37,17 +38,18 @@ pub(super) struct LaneImpulseSums {
 struct LaneSum {
     impulse: Lane3,
     moment: Lane3,
-    film: Lane,
+    film: [Lane; 2],
 }
 
 impl LaneImpulseSums {
-    /// Adds impulses, a lane each, on film whose velocities before and after have the mean `film` (m/s).
+    /// Adds impulses, a lane each, on film with these velocities before and after (m/s).
     #[inline(always)]
-    pub(super) fn add(&mut self, normal: &Lane3, tangential: &Lane3, arm: &Lane3, film: &Lane3) {
+    pub(super) fn add(&mut self, normal: &Lane3, tangential: &Lane3, arm: &Lane3, film: [&Lane3; 2]) {
         for (sum, part) in [(&mut self.normal, normal), (&mut self.tangential, tangential)] {
             sum.impulse += *part;
             sum.moment += cross(arm, part);
-            sum.film += dot(part, film);
+            sum.film[0] += 0.5 * dot(part, film[0]);
+            sum.film[1] += 0.5 * dot(part, film[1]);
         }
     }
 
@@ -56,20 +58,22 @@ impl LaneImpulseSums {
         let sum = |of: &LaneSum| Sum {
             impulse: of.impulse.map(|axis| axis.iter().sum()).into(),
             moment: of.moment.map(|axis| axis.iter().sum()).into(),
-            film: of.film.iter().sum(),
+            film: of.film.map(|half| half.iter().sum()),
         };
         ImpulseSums { normal: sum(&self.normal), tangential: sum(&self.tangential) }
     }
 }
 
 impl ImpulseSums {
-    /// Adds an impulse on film whose velocities before and after have the mean `film` (m/s).
+    /// Adds an impulse on film with these velocities before and after (m/s).
     #[inline(always)]
-    pub(super) fn add(&mut self, impulse: &Impulse, film: &Vector3<f64>) {
+    pub(super) fn add(&mut self, impulse: &Impulse, film: [&Vector3<f64>; 2]) {
         for (sum, part) in [(&mut self.normal, &impulse.normal), (&mut self.tangential, &impulse.tangential)] {
             sum.impulse += part;
             sum.moment += impulse.arm.cross(part);
-            sum.film += part.dot(film);
+            for half in 0..2 {
+                sum.film[half] += 0.5 * part.dot(film[half]);
+            }
         }
     }
 
@@ -88,23 +92,26 @@ impl Add for ImpulseSums {
     type Output = ImpulseSums;
 
     fn add(self, other: ImpulseSums) -> ImpulseSums {
-        let both =
-            |a: Sum, b: Sum| Sum { impulse: a.impulse + b.impulse, moment: a.moment + b.moment, film: a.film + b.film };
+        let both = |a: Sum, b: Sum| Sum {
+            impulse: a.impulse + b.impulse,
+            moment: a.moment + b.moment,
+            film: [a.film[0] + b.film[0], a.film[1] + b.film[1]],
+        };
         ImpulseSums { normal: both(self.normal, other.normal), tangential: both(self.tangential, other.tangential) }
     }
 }
 
 impl Work {
     /// Adds the work of the impulses of a step, each times the mean of the velocities before and after it (theory.md,
-    /// equation 22), of a body that moved as `before`, then as `after`.
-    pub(super) fn add(&mut self, sums: &ImpulseSums, multiplicity: f64, after: &RigidBody, before: &RigidBody) {
-        let surface = |sum: &Sum| after.work_of(&sum.impulse, &sum.moment, before);
+    /// equation 22), of a body that moved as the first of `bodies` before, as the second afterwards.
+    pub(super) fn add(&mut self, sums: &ImpulseSums, multiplicity: f64, bodies: [&RigidBody; 2]) {
+        let surface = |sum: &Sum| bodies.map(|body| body.half_work(&sum.impulse, &sum.moment));
         let (normal, tangential) = (surface(&sums.normal), surface(&sums.tangential));
+        let add = |to: &mut Loss, of: &dyn Fn(usize) -> f64| to.add([multiplicity * of(0), multiplicity * of(1)]);
         self.impulse -= multiplicity * (sums.normal.impulse.z + sums.tangential.impulse.z);
-        self.on_film += multiplicity * (normal + tangential);
-        self.ahead = 0.5 * multiplicity * (normal + tangential);
-        self.impact_loss += multiplicity * (normal - sums.normal.film);
-        self.friction_loss += multiplicity * (tangential - sums.tangential.film);
+        add(&mut self.on_film, &|half| normal[half] + tangential[half]);
+        add(&mut self.loss.impact, &|half| normal[half] - sums.normal.film[half]);
+        add(&mut self.loss.friction, &|half| tangential[half] - sums.tangential.film[half]);
     }
 }
 

@@ -29,6 +29,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
+use super::energy::{ContactLoss, Loss};
 use super::film::Film;
 use super::film_contact::FilmContact;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
@@ -96,15 +97,11 @@ const NODES_PER_RANGE: usize = 256;
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Work {
     /// Done by the impactor on the film.
-    pub(super) on_film: f64,
-    /// Dissipated where nodes come into contact.
-    pub(super) impact_loss: f64,
-    /// Dissipated by friction.
-    pub(super) friction_loss: f64,
+    pub(super) on_film: Loss,
+    /// Dissipated.
+    pub(super) loss: ContactLoss,
     /// Momentum transferred to the impactor along z, N s.
     pub(super) impulse: f64,
-    /// Half the work of the last step: it belongs to the half step after the full one.
-    pub(super) ahead: f64,
 }
 
 /// The impulse on a node in one step, N s.
@@ -268,16 +265,16 @@ impl Contact {
     pub(super) fn account(&mut self, nodes: &Nodes, body: &RigidBody, before: &RigidBody) -> f64 {
         let Some(swept) = &self.swept else {
             let sums = self.impulse_sums();
-            self.work.add(&sums, self.multiplicity, body, before);
+            self.work.add(&sums, self.multiplicity, [before, body]);
             return self.contacts.iter().map(|contacts| contacts.largest_speed_squared).fold(0.0, f64::max).sqrt();
         };
         let (mut sums, mut fastest) = (ImpulseSums::default(), 0.0_f64);
         for impulse in swept {
             let after = nodes.velocity_of(impulse.node);
             fastest = fastest.max(after.norm_squared());
-            sums.add(impulse, &(0.5 * (after + Vector3::from(self.previous_velocity.value_at(impulse.node)))));
+            sums.add(impulse, [&self.previous_velocity.value_at(impulse.node).into(), &after]);
         }
-        self.work.add(&sums, self.multiplicity, body, before);
+        self.work.add(&sums, self.multiplicity, [before, body]);
         fastest.sqrt()
     }
 

@@ -235,9 +235,7 @@ at_width! {
             // SAFETY: the list has a node once, its ranges are disjoint, and one thread takes this one.
             let after = unsafe { at.nodes.apply_impulses(&block.nodes, block.active, &(normal + tangential), at.dt) };
             speeds = block.active.select(dot(&after, &after), 0.0).max(speeds);
-            // Work of an impulse is that along the mean of the velocities before and after (theory.md, equation 22).
-            let film = 0.5 * (after + at.previous_velocity.gather(&block.nodes));
-            lane_sums.add(&normal, &tangential, &block.arm, &film);
+            lane_sums.add(&normal, &tangential, &block.arm, [&at.previous_velocity.gather(&block.nodes), &after]);
             if at.lists_impulses {
                 impulses.extend(block.active.lanes().map(|l| Impulse {
                     node: block.nodes[l] as usize,

@@ -191,10 +191,10 @@ impl Constraint {
         }
     }
 
-    /// Work of the normal and of the tangential impulse on the film, J, for velocities `before` and `after` the step.
-    pub(super) fn work(&self, before: &Vectors, after: &Vectors) -> [f64; 2] {
-        let mean = (self.points.sum(before) + self.points.sum(after)) * 0.5;
-        [self.impulse.pressing * mean.dot(&self.impulse.normal), self.impulse.dragging.dot(&mean)]
+    /// Work of the normal and of the tangential impulse on the film in the half step in which it has these velocities, J.
+    pub(super) fn half_work(&self, velocity: &Vectors) -> [f64; 2] {
+        let half = self.points.sum(velocity) * 0.5;
+        [self.impulse.pressing * half.dot(&self.impulse.normal), self.impulse.dragging.dot(&half)]
     }
 }
 

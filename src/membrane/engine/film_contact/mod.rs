@@ -23,6 +23,7 @@ pub(super) use solver::{ROUNDS, SWEEPS, TOLERANCE};
 
 use serde::{Deserialize, Serialize};
 
+use super::energy::ContactLoss;
 use super::film::Film;
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
@@ -98,21 +99,12 @@ pub(super) struct History {
     lost: u64,
     /// Steps whose sweeps did not converge.
     unresolved: u64,
-    /// Work since the start.
-    pub(super) work: FilmWork,
+    /// Dissipated since the start.
+    pub(super) loss: ContactLoss,
 }
 
 /// State of contact between films, and of faces with themselves, from step to step.
 pub(super) type FilmContactHistory = (History, Option<self_contact::State>);
-
-/// Running totals of the work of contact between films, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct FilmWork {
-    /// Dissipated where films come into contact.
-    pub(super) impact_loss: f64,
-    /// Dissipated by friction.
-    pub(super) friction_loss: f64,
-}
 
 /// State of contact between faces at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -199,7 +199,7 @@ impl FilmContact {
     /// speed of these nodes, m/s.
     pub(in crate::engine) fn finish(&mut self, nodes: &mut Nodes, dt: f64) -> f64 {
         let Nodes { position, velocity, .. } = nodes;
-        let mut fastest = 0.0_f64;
+        let (mut fastest, mut impact, mut friction) = (0.0_f64, [0.0; 2], [0.0; 2]);
         self.history.carried.clear();
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
@@ -208,12 +208,16 @@ impl FilmContact {
                 continue;
             }
             self.history.carried.push(constraint.carried());
-            let [normal, tangential] = constraint.work(&self.previous_velocity, velocity);
-            self.history.work.impact_loss -= self.multiplicity * normal;
-            self.history.work.friction_loss -= self.multiplicity * tangential;
+            for (half, velocity) in [&self.previous_velocity, &*velocity].into_iter().enumerate() {
+                let [normal, tangential] = constraint.half_work(velocity);
+                impact[half] -= self.multiplicity * normal;
+                friction[half] -= self.multiplicity * tangential;
+            }
             let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
             fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
+        self.history.loss.impact.add(impact);
+        self.history.loss.friction.add(friction);
         self.make_constrained_due();
         self.history.unresolved += u64::from(!self.constraints.is_empty() && !self.sweeps.has_converged);
         fastest.sqrt()

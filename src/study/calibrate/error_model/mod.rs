@@ -63,7 +63,7 @@ const LENGTHS: [f64; 8] = [0.02, 0.0325, 0.053, 0.086, 0.14, 0.228, 0.37, 0.6];
 enum Size {
     /// A share of the root mean square of the signal, everywhere.
     Even,
-    /// A share of the signal where it is.
+    /// A share of the simulated signal where it is.
     OfSignal,
 }
 
@@ -226,6 +226,8 @@ pub(super) struct ErrorModel {
     fine: Option<(f64, f64)>,
     /// Standard deviation of the roughness of a simulated mean.
     simulated: f64,
+    /// Size of each simulated mean near the best parameters; of the measured ones it would contain the error itself.
+    sizes: Vec<f64>,
     /// Covariance of the mean error of the recordings' times of contact (s) and impact speeds (m/s).
     contact: Matrix2<f64>,
     /// The independent parts of that error, each one standard deviation long, and what they add to the differences.
@@ -338,6 +340,7 @@ impl ErrorModel {
             counts,
             fine,
             simulated: 0.0,
+            sizes: vec![level; bins],
             contact: recordings.iter().map(|own| own.contact).sum::<Matrix2<f64>>() / (recordings.len() as f64).powi(2),
             of_contact: Vec::new(),
             mesh: None,
@@ -359,8 +362,8 @@ impl ErrorModel {
         // The recordings show the roughness of the model's error as noise, too.
         let rough = self.fine.map_or(0.0, |(fine, factor)| factor * shape.third_difference(fine / length));
         let bin = window / bins as f64 / length;
-        let size = |mean: &f64| if shape.size == Size::OfSignal { mean.abs() } else { self.level };
-        let scale: Vec<f64> = self.noises().zip(&self.measured).map(|(noise, mean)| size(mean) / noise).collect();
+        let of_size = |size: &f64| if shape.size == Size::OfSignal { *size } else { self.level };
+        let scale: Vec<f64> = self.noises().zip(&self.sizes).map(|(noise, size)| of_size(size) / noise).collect();
         let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
         if is_even && self.directions().next().is_none() {
             let decomposed = decomposed(shape, bins, bin);
@@ -479,9 +482,12 @@ impl ErrorModel {
         self.of_contact.iter().map(of_part).sum()
     }
 
-    /// Takes the roughness of a simulated signal, which contact makes, as noise beside that of the recordings.
-    pub(super) fn add_roughness(&mut self, simulated: &Series) -> Result<(), String> {
-        self.simulated = third_difference(&self.means(simulated)?);
+    /// Takes the roughness of a simulated signal near the best parameters, which contact makes, as noise beside that of the
+    /// recordings, and its size as that of errors as large as the signal.
+    pub(super) fn set_simulated(&mut self, simulated: &Series) -> Result<(), String> {
+        let means = self.means(simulated)?;
+        self.simulated = third_difference(&means);
+        self.sizes = means.into_iter().map(f64::abs).collect();
         self.spectrum = self.spectrum_of(self.shape);
         Ok(())
     }
