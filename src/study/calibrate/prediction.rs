@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::error_model::{ErrorModel, Noise, Recorded, Shape, root_mean_square};
+use super::error_model::{ErrorModel, Noise, Recorded, Shape, Size, root_mean_square};
 use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
@@ -69,8 +69,8 @@ impl Prediction {
         let plan = &*posterior.plan;
         let draws = posterior.draws(asked.samples, asked.seed);
         let drawn = Drawn::new(study, plan, session);
-        let all: Vec<(Result<Run, String>, f64)> =
-            draws.par_iter().map(|draw| (drawn.run(draw, session), draw.share)).collect();
+        let all: Vec<(Result<Run, String>, Error)> =
+            draws.par_iter().map(|draw| (drawn.run(draw, session), draw.error)).collect();
         check_stop(session)?;
         let mut warnings = Vec::new();
         for unknown in plan.unknowns.iter().filter(|unknown| !drawn.takes(unknown)) {
@@ -83,10 +83,10 @@ impl Prediction {
             warnings.push(Warning::PredictionFailed { scenario: name.into(), failed, runs, cause });
         }
         let (mut of_runs, mut runs) = (Vec::new(), Vec::new());
-        for (draw, (run, share)) in draws.iter().zip(all) {
+        for (draw, (run, error)) in draws.iter().zip(all) {
             if let Ok(run) = run {
                 of_runs.push(draw);
-                runs.push((run, share));
+                runs.push((run, error));
             }
         }
         if runs.len() < 2 {
@@ -118,6 +118,9 @@ impl Prediction {
         })
     }
 }
+
+/// The model's error of a draw, as a share, and what it is a share of.
+type Error = (f64, Size);
 
 /// A scenario whose runs take draws of a posterior.
 struct Drawn<'a> {
@@ -205,7 +208,7 @@ impl Asked {
     }
 
     /// Whether the runs have the figures that are asked for.
-    fn check(&self, runs: &[(Run, f64)]) -> HostResult<()> {
+    fn check(&self, runs: &[(Run, Error)]) -> HostResult<()> {
         let is_missing = |name: &&String| !runs.iter().any(|(run, _)| number(run, name).is_some());
         match self.names().find(is_missing) {
             None => Ok(()),
@@ -214,7 +217,7 @@ impl Asked {
     }
 
     /// Values of a figure, each with the deviation that its model's error gives it.
-    fn values(&self, figure: &str, runs: &[(Run, f64)]) -> Vec<(f64, f64)> {
+    fn values(&self, figure: &str, runs: &[(Run, Error)]) -> Vec<(f64, f64)> {
         let error = self.errors.get(figure).copied().unwrap_or(0.0);
         runs.iter().filter_map(|(run, _)| number(run, figure)).map(|value| (value, error * value.abs())).collect()
     }
@@ -241,7 +244,7 @@ fn number(run: &Run, figure: &str) -> Option<f64> {
 }
 
 /// A row a figure: quantiles, and the shares of the variance that one parameter alone explains, by a linear fit.
-fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], runs: &[(Run, f64)]) -> Vec<Row> {
+fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], runs: &[(Run, Error)]) -> Vec<Row> {
     let names: Vec<String> = match asked.figures.is_empty() {
         false => asked.figures.clone(),
         true => {
@@ -296,7 +299,7 @@ fn correlation(one: &[f64], other: &[f64]) -> Option<f64> {
 }
 
 /// Probabilities of a rupture and of limits that are exceeded, with their interval of 95 % (Wilson).
-fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row> {
+fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, Error)]) -> Vec<Row> {
     let ruptured = ("ruptured".to_owned(), 0.5);
     let all = std::iter::once(&ruptured).chain(&asked.above);
     let row = |(figure, limit): &(String, f64)| {
@@ -317,8 +320,8 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, f64)]) -> Vec<Row>
 }
 
 /// The band of a signal: of the parameters, and with the model's error of each draw; and what of the recording lies in it.
-fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> HostResult<(Plot, Option<Row>)> {
-    let signals = runs.iter().map(|(run, share)| Ok((run.channel(name)?, *share))).collect::<HostResult<Vec<_>>>()?;
+fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, Error)]) -> HostResult<(Plot, Option<Row>)> {
+    let signals = runs.iter().map(|(run, error)| Ok((run.channel(name)?, *error))).collect::<HostResult<Vec<_>>>()?;
     let end = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(f64::INFINITY, f64::min);
     let start = signals.iter().filter_map(|(own, _)| own.time().first().copied()).fold(f64::NEG_INFINITY, f64::max);
     let column = found_column(name).map_err(refuse)?;
@@ -336,7 +339,10 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         let own: Vec<(f64, f64)> = signals
             .iter()
             .zip(&levels)
-            .filter_map(|((own, share), level)| Some((own.value_at(*place)?, share * level)))
+            .filter_map(|((own, (share, size)), level)| {
+                let value = own.value_at(*place)?;
+                Some((value, share * size.of(value, *level)))
+            })
             .collect();
         let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
         inner.push(predictive_quantiles(&values, &BAND).ok_or_else(|| refuse!("{name} has no value at {place}"))?);
@@ -347,7 +353,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
         points: places.iter().enumerate().map(|(at, place)| [1e3 * place, column.factor * of(at)]).collect(),
         look,
     };
-    let has_errors = runs.iter().any(|(_, share)| *share > 0.0);
+    let has_errors = runs.iter().any(|(_, (share, _))| *share > 0.0);
     let mut curves = vec![
         curve("median", Look::Line, &|at| inner[at][1]),
         curve("2.5 %, parameters", Look::Dashed, &|at| inner[at][0]),
@@ -377,16 +383,17 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, f64)]) -> H
 
 /// Whether the mean of a recording over each bin, as tests are compared by, lies within the ends of 95 % of the runs' means with
 /// the model's error and the noise of the recording; of bins that all runs reach.
-fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, f64)]) -> Vec<bool> {
+fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, Error)]) -> Vec<bool> {
     let reached = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(window[1], f64::min);
     let recorded = Recorded::new(recorded, [window[0], reached], class);
     // Of noise and means alone.
     let errors = recorded.and_then(|own| ErrorModel::new(&[own], Noise::FromRecording, Shape::all(None)[0]));
     let Ok(errors) = errors else { return Vec::new() };
-    let of_run = |(own, share): &(Series, f64)| {
+    let of_run = |(own, (share, size)): &(Series, Error)| {
         let means = errors.means(own).ok()?;
-        let deviation = (share * root_mean_square(&means)).hypot(errors.noise());
-        Some(means.into_iter().map(|mean| (mean, deviation)).collect::<Vec<_>>())
+        let level = root_mean_square(&means);
+        let of_bin = |mean: f64| (mean, (share * size.of(mean, level)).hypot(errors.noise()));
+        Some(means.into_iter().map(of_bin).collect::<Vec<_>>())
     };
     let Some(runs) = signals.iter().map(of_run).collect::<Option<Vec<_>>>() else { return Vec::new() };
     let is_within = |(bin, [_, measured]): (usize, [f64; 2])| {
@@ -476,7 +483,7 @@ mod tests {
                 let values: Vec<f64> = time.iter().map(|t| size * shape(t) + noise * random.normal()).collect();
                 Series::new(time.to_vec(), values)
             };
-            let runs: Vec<(Series, f64)> = (0..40).map(|_| (signal(&later, 0.0), 0.0)).collect();
+            let runs: Vec<(Series, Error)> = (0..40).map(|_| (signal(&later, 0.0), (0.0, Size::Even))).collect();
             let found = within_band(&signal(&time, 80.0), [0.0, 0.1], None, &runs);
             assert!(found.len() > 50);
             within += found.iter().filter(|own| **own).count();
@@ -485,7 +492,7 @@ mod tests {
         let share = f64::from(within as u32) / f64::from(all as u32);
         assert!((share - 0.95).abs() < 0.02, "{share}");
         let zero = Series::new(time.clone(), vec![0.0; time.len()]);
-        assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), 0.0)]).is_empty());
+        assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), (0.0, Size::Even))]).is_empty());
     }
 
     /// Ends of some dozens of runs hold 95 % of what is drawn with them, whether the runs scatter more or the model's error.

@@ -60,19 +60,35 @@ const LENGTHS: [f64; 8] = [0.02, 0.0325, 0.053, 0.086, 0.14, 0.228, 0.37, 0.6];
 
 /// How large the model's error is along a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Size {
+pub(super) enum Size {
     /// A share of the root mean square of the signal, everywhere.
     Even,
     /// A share of the simulated signal where it is.
     OfSignal,
 }
 
+impl Size {
+    /// What an error of a share is the share of, where a simulated signal has a `value` and the root mean square `level`.
+    pub(super) fn of(self, value: f64, level: f64) -> f64 {
+        match self {
+            Size::Even => level,
+            Size::OfSignal => value.abs(),
+        }
+    }
+}
+
+/// Shares of the variance of a smooth error that a rough part may have, as nodes that come into contact one by one leave it
+/// (assumed): of its size a tenth, a third and half.
+const ROUGH_PARTS: [f64; 3] = [0.01, 0.1, 0.3];
+
 /// The shape of the model's error along a signal: a process with Matérn's correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
-    /// Twice Matérn's ν: 1 (exponential), 3 (once differentiable), 5 (twice), or 0 for any number of times (squared exponential).
+    /// Twice Matérn's ν: 1 (exponential), 3 (once differentiable), or 0 for any number of times (squared exponential).
     order: u8,
     length: Correlation,
+    /// Share of its variance that has an exponential correlation over the shortest of [`LENGTHS`].
+    rough: f64,
     size: Size,
 }
 
@@ -80,21 +96,33 @@ impl Shape {
     /// The shapes that count beside each other with this length, or with any.
     pub(super) fn all(length: Option<Correlation>) -> Vec<Shape> {
         let lengths = length.map_or_else(|| LENGTHS.map(Correlation::Share).to_vec(), |own| vec![own]);
-        let of_order = |(order, size)| lengths.iter().map(move |length| Shape { order, length: *length, size });
-        let sizes = [Size::Even, Size::OfSignal];
-        [1, 3, 5, 0].into_iter().flat_map(|order| sizes.map(|size| (order, size))).flat_map(of_order).collect()
+        let of_order = |(order, rough)| lengths.iter().map(move |length| (order, rough, *length));
+        let smooth = if length.is_none() { &ROUGH_PARTS[..] } else { &[] };
+        let orders = [(1, 0.0), (3, 0.0), (0, 0.0)].into_iter().chain(smooth.iter().map(|rough| (0, *rough)));
+        let of_size =
+            |(order, rough, length)| [Size::Even, Size::OfSignal].map(|size| Shape { order, length, rough, size });
+        orders.flat_map(of_order).flat_map(of_size).collect()
+    }
+
+    /// How large it is along the signal.
+    pub(super) fn size(self) -> Size {
+        self.size
     }
 
     /// Correlation of the error at two places, so many lengths apart.
     fn correlation(self, apart: f64) -> f64 {
         let s = f64::from(self.order).sqrt() * apart.abs();
-        let factor = match self.order {
+        let own = match self.order {
             0 => (-0.5 * apart * apart).exp(),
-            1 => 1.0,
-            3 => 1.0 + s,
-            _ => 1.0 + s + s * s / 3.0,
+            1 => (-s).exp(),
+            _ => (1.0 + s) * (-s).exp(),
         };
-        factor * (-s).exp()
+        match self.length {
+            Correlation::Share(share) if self.rough > 0.0 => {
+                (1.0 - self.rough) * own + self.rough * (-apart.abs() * share / LENGTHS[0]).exp()
+            }
+            _ => own,
+        }
     }
 
     /// Covariance of the means of an error of unit variance over two bins, so many bins apart; a bin is `bin` lengths (equation
@@ -128,14 +156,16 @@ impl fmt::Display for Shape {
         let smooth = match self.order {
             0 => "smooth",
             1 => "as rough as an exponential correlation",
-            3 => "once differentiable",
-            _ => "twice differentiable",
+            _ => "once differentiable",
         };
         match self.length {
             Correlation::Length(length) => write!(f, "{} ms", significant(1e3 * length, 3))?,
             Correlation::Share(share) => write!(f, "{} % of the window", significant(100.0 * share, 2))?,
         }
         write!(f, ", {smooth}")?;
+        if self.rough > 0.0 {
+            write!(f, " but for a rough {} % of its size", significant(100.0 * self.rough.sqrt(), 2))?;
+        }
         if self.size == Size::OfSignal { f.write_str(", as large as the signal") } else { Ok(()) }
     }
 }
@@ -226,8 +256,8 @@ pub(super) struct ErrorModel {
     fine: Option<(f64, f64)>,
     /// Standard deviation of the roughness of a simulated mean.
     simulated: f64,
-    /// Size of each simulated mean near the best parameters; of the measured ones it would contain the error itself.
-    sizes: Vec<f64>,
+    /// Simulated means near the best parameters, of whose size an error may be; the measured ones contain the error itself.
+    simulated_means: Vec<f64>,
     /// Covariance of the mean error of the recordings' times of contact (s) and impact speeds (m/s).
     contact: Matrix2<f64>,
     /// The independent parts of that error, each one standard deviation long, and what they add to the differences.
@@ -340,7 +370,7 @@ impl ErrorModel {
             counts,
             fine,
             simulated: 0.0,
-            sizes: vec![level; bins],
+            simulated_means: vec![level; bins],
             contact: recordings.iter().map(|own| own.contact).sum::<Matrix2<f64>>() / (recordings.len() as f64).powi(2),
             of_contact: Vec::new(),
             mesh: None,
@@ -362,8 +392,8 @@ impl ErrorModel {
         // The recordings show the roughness of the model's error as noise, too.
         let rough = self.fine.map_or(0.0, |(fine, factor)| factor * shape.third_difference(fine / length));
         let bin = window / bins as f64 / length;
-        let of_size = |size: &f64| if shape.size == Size::OfSignal { *size } else { self.level };
-        let scale: Vec<f64> = self.noises().zip(&self.sizes).map(|(noise, size)| of_size(size) / noise).collect();
+        let scale = |(noise, simulated): (f64, &f64)| shape.size.of(*simulated, self.level) / noise;
+        let scale: Vec<f64> = self.noises().zip(&self.simulated_means).map(scale).collect();
         let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
         if is_even && self.directions().next().is_none() {
             let decomposed = decomposed(shape, bins, bin);
@@ -487,7 +517,7 @@ impl ErrorModel {
     pub(super) fn set_simulated(&mut self, simulated: &Series) -> Result<(), String> {
         let means = self.means(simulated)?;
         self.simulated = third_difference(&means);
-        self.sizes = means.into_iter().map(f64::abs).collect();
+        self.simulated_means = means;
         self.spectrum = self.spectrum_of(self.shape);
         Ok(())
     }
@@ -589,10 +619,10 @@ type Decomposed = (Arc<DMatrix<f64>>, Vec<f64>);
 fn decomposed(shape: Shape, bins: usize, bin: f64) -> Arc<Decomposed> {
     /// Most that are kept.
     const MOST: usize = 256;
-    static KNOWN: Mutex<BTreeMap<(u8, usize, u64), Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
+    static KNOWN: Mutex<BTreeMap<(u8, u64, usize, u64), Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
     let known = || base::lock(&KNOWN);
     // Lengths that are shares of windows differ by rounding.
-    let key = (shape.order, bins, (1e9 * bin).round() as u64);
+    let key = (shape.order, shape.rough.to_bits(), bins, (1e9 * bin).round() as u64);
     if let Some(found) = known().get(&key) {
         return Arc::clone(found);
     }

@@ -3,7 +3,7 @@
 use super::*;
 use uncertainty::random::Stream;
 
-const ROUGH: Shape = Shape { order: 1, length: Correlation::Share(0.03), size: Size::Even };
+const ROUGH: Shape = Shape { order: 1, length: Correlation::Share(0.03), rough: 0.0, size: Size::Even };
 
 /// A half wave of 140 m/s² over 0.1 s at 10 kHz, with noise.
 fn half_wave(noise: f64, seed: u64) -> Series {
@@ -75,7 +75,7 @@ fn means_of_an_exponential_error_have_their_closed_covariance() {
 #[test]
 fn whitened_residuals_have_the_norm_of_the_covariance() {
     let (measured, simulated) = (half_wave(1.0, 1), half_wave(0.0, 1));
-    let shape = Shape { order: 3, length: Correlation::Length(2e-3), size: Size::Even };
+    let shape = Shape { order: 3, length: Correlation::Length(2e-3), rough: 0.0, size: Size::Even };
     let model = of(&[&measured], Noise::Share(0.01), shape).unwrap();
     let share = 0.05;
     let means = DVector::from_vec(model.means(&simulated).unwrap()) - &model.measured;

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
-use crate::calibrate::error_model::{Shape, Spectrum};
+use crate::calibrate::error_model::{Shape, Size, Spectrum};
 use crate::calibrate::mesh;
 use crate::calibrate::objective::CalibrationObjective;
 use crate::calibrate::plan::{BreakUnknowns, Plan};
@@ -86,6 +86,8 @@ pub(super) struct Posterior {
     pub(super) runs_of_tests: Vec<usize>,
     /// Error of the surrogate of each test at new points.
     pub(super) errors: Vec<f64>,
+    /// How likely the model's error is as large as the signal where it is, mean over the tests.
+    of_signal: f64,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -94,8 +96,8 @@ pub(super) struct Posterior {
 pub(super) struct Draw {
     /// The unknowns; of what scatters over specimens, the value of this one.
     pub(super) x: Vec<f64>,
-    /// The model's error.
-    pub(super) share: f64,
+    /// The model's error, and what it is a share of.
+    pub(super) error: (f64, Size),
     /// How far its break strains along MD and TD are from their medians, in deviations of their logarithm.
     pub(super) breaks: [f64; 2],
 }
@@ -181,7 +183,9 @@ impl Posterior {
                 let ends = plan.parameter_at(own.unknown).ends();
                 x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
-            Draw { x, share: self.layout.share(state, plan), breaks: [stream.normal(), stream.normal()] }
+            let breaks = [stream.normal(), stream.normal()];
+            let size = if stream.uniform() < self.of_signal { Size::OfSignal } else { Size::Even };
+            Draw { x, error: (self.layout.share(state, plan), size), breaks }
         };
         (0..count).map(draw).collect()
     }
@@ -670,10 +674,31 @@ impl<'a> Sampling<'a> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
+    /// How likely the model's error of a test is as large as the signal where it is.
+    fn of_signal(&self, test: usize, surrogate: &TestSurrogate, samples: &Samples) -> f64 {
+        /// Samples that are looked at.
+        const SOME: usize = 200;
+        let shapes = self.plan.shapes(test);
+        let of_state = |state: &Vec<f64>| {
+            let x = self.layout.in_test(state, test);
+            let found = surrogate.predicted(&self.acting[test].iter().map(|index| x[*index]).collect::<Vec<_>>())?;
+            let logs = surrogate.of_shapes(&found, self.layout.share(state, self.plan));
+            let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let likelihoods = || logs.iter().map(|log| (log - most).exp());
+            let of_signal = likelihoods().zip(&shapes).filter(|(_, shape)| shape.size() == Size::OfSignal);
+            Some(of_signal.map(|(own, _)| own).sum::<f64>() / likelihoods().sum::<f64>())
+        };
+        let some = samples.points.iter().step_by(samples.points.len().div_ceil(SOME).max(1));
+        let found: Vec<f64> = some.filter_map(of_state).collect();
+        found.iter().sum::<f64>() / found.len().max(1) as f64
+    }
+
     /// Many samples on the last surrogates.
     fn result(&self, mut so_far: SoFar) -> HostResult<Posterior> {
         let samples = self.samples(&mut so_far, true)?;
-        let SoFar { runs, failed, computed, rounds, errors, is_inside, .. } = so_far;
+        let SoFar { runs, failed, computed, rounds, surrogates, errors, is_inside, .. } = so_far;
+        let of_tests = surrogates.iter().enumerate().map(|(test, surrogate)| self.of_signal(test, surrogate, &samples));
+        let of_signal = of_tests.sum::<f64>() / surrogates.len() as f64;
         let mut warnings = Vec::new();
         if !is_inside {
             warnings.push(Warning::PosteriorCut { rounds });
@@ -708,6 +733,7 @@ impl<'a> Sampling<'a> {
             runs: computed,
             runs_of_tests: runs.iter().map(Vec::len).collect(),
             errors,
+            of_signal,
             warnings,
         })
     }
