@@ -105,7 +105,8 @@ fn each_row_is_the_run_that_its_inputs_give() {
             && found["answer"].as_str().is_some_and(|own| page.replace('\u{a0}', " ").contains(own)),
         "{text}"
     );
-    assert!(text.contains(" g  9 of 10 runs ") && text.contains(" mm  "), "{text}");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains(" g 9 of 10 runs ") && words.contains(" mm "), "{text}");
 }
 
 #[test]
