@@ -166,7 +166,7 @@ impl<E: StrainEnergy> Hyperelastic<E> {
     #[inline(always)]
     fn squares<const L: usize>(&self, d: &Deformation<L>) -> Squares<L> {
         let principal = Principal::from_cauchy_green(&d.metric());
-        if self.wrinkling { principal.relaxed(&self.energy).squares } else { principal.squares }
+        if self.wrinkling { principal.relaxed(&self.energy).0.squares } else { principal.squares }
     }
 }
 
@@ -178,9 +178,9 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, _history: &mut PeakStrains<L>, _dt: f64) -> Stress<L> {
         let c = d.metric();
         let s = if self.wrinkling {
-            let relaxed = Principal::from_cauchy_green(&c).relaxed(&self.energy);
+            let (relaxed, is_taut) = Principal::from_cauchy_green(&c).relaxed(&self.energy);
             let mut stress = self.energy.stress(&relaxed.squares);
-            stress[1] = relaxed.taut.select(stress[1], 0.0);
+            stress[1] = is_taut.select(stress[1], 0.0);
             relaxed.turned(stress)
         } else {
             self.energy.plane_stress(&c)

@@ -13,8 +13,6 @@ pub(super) struct Principal<const L: usize> {
     pub(super) squares: Squares<L>,
     /// cos 2θ and sin 2θ of the first direction; zero where all directions are principal.
     direction: [Lane<L>; 2],
-    /// Whether film at these stretches has no wrinkles.
-    pub(super) taut: Mask<L>,
 }
 
 impl<const L: usize> Principal<L> {
@@ -28,19 +26,19 @@ impl<const L: usize> Principal<L> {
         let second = (c[0] * c[1] - c[2] * c[2]) / first;
         let inverse = 1.0 / radius.max(POINT);
         let direction = [apart * inverse, c[2] * inverse];
-        Principal { squares: [first, second], direction, taut: Mask::ALL }
+        Principal { squares: [first, second], direction }
     }
 
-    /// The stretches of taut film with the same energy as film that wrinkles at these, c₁* and c₂*.
+    /// The stretches of taut film with the same energy as film that wrinkles at these, c₁* and c₂*, and where it has no wrinkles.
     #[inline(always)]
-    pub(super) fn relaxed(mut self, energy: &impl StrainEnergy) -> Principal<L> {
+    pub(super) fn relaxed(mut self, energy: &impl StrainEnergy) -> (Principal<L>, Mask<L>) {
         let [first, second] = &mut self.squares;
         // A NaN must propagate.
         *first = splat(1.0).max(*first);
         let natural = energy.natural_width(*first);
-        self.taut = second.above(natural);
-        *second = self.taut.select(*second, natural);
-        self
+        let is_taut = second.above(natural);
+        *second = is_taut.select(*second, natural);
+        (self, is_taut)
     }
 
     /// Components 11, 22 and 12 of a tensor with the principal values `s` in these directions.
