@@ -218,9 +218,6 @@ impl<const L: usize> Default for Mask<L> {
 }
 
 impl<const L: usize> Mask<L> {
-    /// It holds in every lane.
-    pub const ALL: Mask<L> = Mask([true; L]);
-
     /// It holds in the first lanes, so many.
     #[inline(always)]
     pub fn first(count: usize) -> Mask<L> {

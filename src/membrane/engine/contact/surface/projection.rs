@@ -165,7 +165,7 @@ mod tests {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::zeros());
             for height in [0.0, 0.5, -1.0].map(|share| share * (surface.size() + surface.lowest(&pose.rotation))) {
                 let arm = Vector3::new(0.0, 0.0, height);
-                let (distance, normal) = surface.project_lanes(&pose, &Lane3::splat(arm), Mask::ALL);
+                let (distance, normal) = surface.project_lanes(&pose, &Lane3::splat(arm), Mask::first(LANES));
                 let lanes = Projection { distance: distance[0], normal: normal.vector(0) };
                 for projection in [lanes, surface.project(&pose, &(pose.translation.vector + arm).into())] {
                     assert!((projection.distance + surface.size()).abs() < 1e-12, "{projection:?}");
@@ -190,7 +190,7 @@ mod tests {
             let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.5), Vector3::new(0.3, 0.2, -0.1));
             let arm: Lane3 =
                 Lane3([0.6, -0.5, -0.9].map(|part| lanes(|l| surface.size() * (0.3 + 0.11 * l as f64) * part)));
-            let (distance, normal) = surface.project_lanes(&pose, &arm, Mask::ALL);
+            let (distance, normal) = surface.project_lanes(&pose, &arm, Mask::first(LANES));
             for l in 0..LANES {
                 let arm = arm.vector(l);
                 let local = vector(&pose.rotation.inverse_transform_vector(&arm));
