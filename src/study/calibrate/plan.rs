@@ -232,10 +232,13 @@ impl Plan {
         }
     }
 
-    /// The shapes that the model's error of a test may have; of numbers that are no differences along a signal there is one.
+    /// The shapes that the model's error of a test may have: one where there is no error, or the test's numbers are no differences
+    /// along a signal.
     pub(super) fn shapes(&self, test: usize) -> Vec<Shape> {
-        let mut shapes = self.tests[test].shapes(self.correlation);
-        shapes.truncate(if self.has_residuals() { shapes.len() } else { 1 });
+        let own = &self.tests[test];
+        let mut shapes = own.shapes(self.correlation);
+        let has_error = self.first_share() > 0.0 && own.signals.iter().any(|signal| signal.distance.is_residuals());
+        shapes.truncate(if has_error { shapes.len() } else { 1 });
         shapes
     }
 
