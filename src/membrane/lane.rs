@@ -307,24 +307,6 @@ impl<const L: usize> DerefMut for Lane3<L> {
     }
 }
 
-impl<'a, const L: usize> IntoIterator for &'a Lane3<L> {
-    type Item = &'a Lane<L>;
-    type IntoIter = std::slice::Iter<'a, Lane<L>>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
-    }
-}
-
-impl<'a, const L: usize> IntoIterator for &'a mut Lane3<L> {
-    type Item = &'a mut Lane<L>;
-    type IntoIter = std::slice::IterMut<'a, Lane<L>>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.iter_mut()
-    }
-}
-
 impl<const L: usize> Default for Lane3<L> {
     #[inline(always)]
     fn default() -> Lane3<L> {

@@ -236,7 +236,7 @@ fn verdicts_say_what_the_tests_do_not_determine() {
                 thickness: #{ key: "specimen.material.thickness", start: "12 um", within: ["6 um", "20 um"] },
                 width: #{ key: "specimen.material.fabric.td.scale.k1", start: 1, within: [0.5, 2] },
                 ky: #{ key: "specimen.material.fabric.md.scale.ky", start: 1, within: [0.5, 2] },
-            }, discrepancy: 0.01, starts: 1, max_evaluations: 60 });
+            }, discrepancy: 0.01, starts: 1, max_evaluations: 60 }); // an error of 2 % in proportion hides half of what TD tells
         let settled = found.settles([#{ scenario: strip("TD"), name: "td" }]);
         let again = found.settles([#{ scenario: strip("MD"), name: "again" }]);
         if again.some(|row| row.repeats == () || row.reduction > 0.05) { throw again; }
@@ -643,8 +643,8 @@ fn contacts_and_speeds_that_are_off_move_no_parameter_beyond_its_interval() {
     let (parameters, contacts) = found.split_at(3);
     assert!(parameters.iter().all(|place| (0.0..=1.0).contains(place)), "k1, ke, ky within their intervals: {found:?}");
     let late = contacts.iter().step_by(2).map(|off| off * off).sum::<f64>() / f64::from(drops);
-    // Of what is stated, a good part of which an error of the law can be taken for.
-    assert!(late.sqrt() < 0.7 * 5e-4, "contacts are found to {} s of 0.7 ms", late.sqrt());
+    // Better than the error of 0.5 ms that is stated; a part of a shift can be taken for an error of the law.
+    assert!(late.sqrt() < 0.7 * 5e-4, "contacts are found to {} s of 0.5 ms", late.sqrt());
     let fast = contacts.iter().skip(1).step_by(2).map(|off| off * off).sum::<f64>() / f64::from(drops);
     assert!(fast.sqrt() < 0.025, "speeds are found to {} m/s of 0.032", fast.sqrt());
 }

@@ -5,25 +5,25 @@ use serde::{Deserialize, Serialize};
 use super::impact::Impact;
 use super::{Engine, Progress, View, film};
 
-/// Energy that leaves the film and its bodies step by step, J.
+/// Energy that is counted step by step in halves, J: lost, or exchanged with what is outside.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Loss {
+pub(super) struct StepEnergy {
     total: f64,
-    /// Part of it that belongs to the half step after the full one.
-    ahead: f64,
+    /// Of the last step: that of the half step before the full one, and that of the half step after it.
+    last: [f64; 2],
 }
 
-impl Loss {
+impl StepEnergy {
     /// Adds that of a step: of the half step before the full one, and of that after it. An impulse has each with the velocity
     /// there (theory.md, equation 22).
-    pub(super) fn add(&mut self, [behind, ahead]: [f64; 2]) {
-        self.total += behind + ahead;
-        self.ahead = ahead;
+    pub(super) fn add(&mut self, halves: [f64; 2]) {
+        self.total += halves[0] + halves[1];
+        self.last = halves;
     }
 
-    /// Adds what is lost before the full step.
-    pub(super) fn add_at_once(&mut self, loss: f64) {
-        self.total += loss;
+    /// Adds what came before the full step.
+    pub(super) fn add_at_once(&mut self, energy: f64) {
+        self.total += energy;
     }
 
     /// With all of the last step.
@@ -31,9 +31,10 @@ impl Loss {
         self.total
     }
 
-    /// Until the full step: energies there leave out what follows (theory.md, equation 23).
-    fn until_full_step(&self) -> f64 {
-        self.total - self.ahead
+    /// Until the full step: energies there leave out what follows (theory.md, equation 23). At the start, where velocities stand at
+    /// the full step, both halves follow.
+    fn until_full_step(&self, is_start: bool) -> f64 {
+        self.total - self.last[1] - if is_start { self.last[0] } else { 0.0 }
     }
 }
 
@@ -41,9 +42,9 @@ impl Loss {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ContactLoss {
     /// Where film comes into contact.
-    pub(super) impact: Loss,
+    pub(super) impact: StepEnergy,
     /// By friction.
-    pub(super) friction: Loss,
+    pub(super) friction: StepEnergy,
 }
 
 /// Running totals of losses and external work, J.
@@ -54,15 +55,16 @@ pub(super) struct EnergyLedger {
     /// Absorbed in fibres that broke.
     pub(super) absorbed: f64,
     /// Lost to mass-proportional damping.
-    pub(super) damping: Loss,
-    /// Work of jaws and pressure, counted negative; that of an impactor with prescribed motion is in `contact.work`.
-    pub(super) external: Loss,
+    pub(super) damping: StepEnergy,
+    /// Work of jaws, of pressure and of what launches impactors, counted negative; that of an impactor with prescribed motion is in
+    /// `contact.work`.
+    pub(super) external: StepEnergy,
     /// Dissipated by the guide.
-    pub(super) guide: Loss,
+    pub(super) guide: StepEnergy,
     /// Dissipated where bodies meet.
-    pub(super) collision: Loss,
+    pub(super) collision: StepEnergy,
     /// Dissipated in the frame's clamp.
-    pub(super) clamp: Loss,
+    pub(super) clamp: StepEnergy,
 }
 
 impl View<'_> {
@@ -70,9 +72,8 @@ impl View<'_> {
     pub fn energies(&self) -> Energies {
         let Engine { progress: Progress { ledger, .. }, loads, previous, springs, impacts, film_contact, pool, .. } =
             self.engine;
-        // Velocities stand at the start at first: what acts there acts over the half step after it alone.
-        let starts = self.steps == 0;
-        let until_now = |loss: &Loss| if starts { 0.0 } else { loss.until_full_step() };
+        let is_start = self.steps == 0;
+        let until_now = |energy: &StepEnergy| energy.until_full_step(is_start);
         let multiplicity = loads.multiplicity;
         let (g, of_film) = (loads.gravity, loads.film_gravity());
         let mut out = Energies {
@@ -93,14 +94,14 @@ impl View<'_> {
         }
         for (n, mass) in self.nodes.mass.iter().enumerate() {
             let u = previous.velocity.value_at(n);
-            let v = if starts { u } else { self.nodes.velocity.value_at(n) };
+            let v = if is_start { u } else { self.nodes.velocity.value_at(n) };
             // Product of both half steps, not the square of their mean: this is what central differences conserve
             // (theory.md, equation 23).
             out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
             out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
         }
         for (Impact { body, contact, .. }, before) in impacts.iter().zip(&previous.bodies) {
-            out.kinetic_impactor += if starts { before } else { body }.kinetic_energy(before);
+            out.kinetic_impactor += if is_start { before } else { body }.kinetic_energy(before);
             out.potential += body.potential_energy(g);
             if body.has_prescribed_motion() {
                 // A body with prescribed motion has no energy to give: what it does comes from outside.

@@ -406,6 +406,7 @@ impl Engine {
         let fastest = fastest.max(self.resolve_contact([over, dt], earlier.as_ref(), &mut sums));
         self.film_contact.iter_mut().for_each(|contact| contact.reduce_margin(fastest * dt));
         let half = 0.5 * self.loads.multiplicity * self.loads.damping * over * sums.damped;
+        // Evenly, which is off by the second order of the step at a full one, and by nothing in the sum.
         self.progress.ledger.damping.add([half, half]);
         fastest
     }

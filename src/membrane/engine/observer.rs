@@ -126,7 +126,8 @@ impl View<'_> {
     /// Velocity of a node at this step, m/s: the mean of those half a step before and after.
     pub fn velocity(&self, node: usize) -> [f64; 3] {
         let (before, after) = (self.engine.previous.velocity.value_at(node), self.nodes.velocity.value_at(node));
-        [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]))
+        // At the start it is known itself.
+        if self.steps == 0 { before } else { [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis])) }
     }
 
     /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not

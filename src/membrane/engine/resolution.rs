@@ -240,7 +240,7 @@ impl Engine {
         self.progress.ledger.collision.add(resolved.collisions);
         let mut fastest = resolved.fastest;
         if let Some(between) = between {
-            // Also where films are apart now: what was lost in the step before was lost before this one.
+            // Also where films are apart now: then nothing of it is ahead of this step any more.
             fastest = fastest.max(between.finish(nodes, dt));
         }
         if let (Some(earlier), Some(predicted)) = (earlier, predicted) {

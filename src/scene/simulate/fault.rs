@@ -138,6 +138,7 @@ pub enum Fault {
     /// Inertia matters in a test that must be quasi-static.
     #[error(
         "not quasi-static: at {time:.6} s the film's kinetic energy is {} % of the energy that it took up",
+        // Before film has taken up anything, it is any number.
         if *.share > 100.0 { "more than 10000".to_owned() } else { number::significant(100.0 * .share, 2) }
     )]
     NotQuasiStatic {

@@ -207,8 +207,8 @@ fn estimated(plan: &mut Plan, simulated: &[Vec<Series>]) -> HostResult<f64> {
     let shapes: Vec<Vec<Shape>> = (0..plan.tests.len()).map(|test| plan.shapes(test)).collect();
     let given = (!plan.estimates_share()).then(|| plan.first_share());
     let (share, found) = most_likely(&left(plan, simulated, &shapes)?, given);
-    for (test, (shape, gain)) in plan.tests.iter_mut().zip(found) {
-        if gain > LIKELIER {
+    for (test, (shape, [most, now])) in plan.tests.iter_mut().zip(found) {
+        if most - now > LIKELIER {
             test.signals.iter_mut().for_each(|signal| signal.errors.set_shape(shape));
         }
     }
@@ -234,10 +234,10 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
         let (_, others) = most_likely(&left(plan, simulated, &any)?, None);
         let given = plan.tests.iter().map(|test| test.shapes(plan.correlation)).collect::<Vec<_>>();
         let (_, own) = most_likely(&left(plan, simulated, &given)?, None);
-        for ((test, (shape, gain)), (_, own)) in
+        for ((test, (shape, [most, _])), (_, [own, _])) in
             plan.tests.iter().zip(others).zip(own).filter(|((test, _), _)| along(test))
         {
-            let gain = gain - own;
+            let gain = most - own;
             if gain > LIKELIER {
                 found.push(Warning::ModelErrorShape { test: test.name.clone(), shape: shape.to_string(), gain });
             }

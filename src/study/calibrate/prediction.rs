@@ -341,7 +341,7 @@ fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, Error)]) ->
             .zip(&levels)
             .filter_map(|((own, (share, size)), level)| {
                 let value = own.value_at(*place)?;
-                Some((value, share * size.of(value, *level)))
+                Some((value, share * size.of(value, *level).abs()))
             })
             .collect();
         let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();

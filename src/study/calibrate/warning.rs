@@ -106,7 +106,7 @@ findings! {
             remedy "give each calibration a `name`: its tables begin with it";
             message "the tables of a calibration before this one are replaced: give each a `name`";
         ModelError {
-            share: f64, "the error, as a share of the root mean square of each signal" => "share";
+            share: f64, "the error, as a share of each signal" => "share";
             correlation: String, "its most likely correlations" => "correlation";
         } = "model-error", Note;
             meaning "a calibration estimated the error of the model from what the best parameters leave: intervals contain it, over \

@@ -5,7 +5,7 @@ use std::ops::Add;
 use nalgebra::Vector3;
 
 use super::{Impulse, Work};
-use crate::engine::energy::Loss;
+use crate::engine::energy::StepEnergy;
 use crate::engine::rigid_body::RigidBody;
 use crate::lane::{LANES, Lane, Lane3, cross, dot, lanes};
 
@@ -107,7 +107,7 @@ impl Work {
     pub(super) fn add(&mut self, sums: &ImpulseSums, multiplicity: f64, bodies: [&RigidBody; 2]) {
         let surface = |sum: &Sum| bodies.map(|body| body.half_work(&sum.impulse, &sum.moment));
         let (normal, tangential) = (surface(&sums.normal), surface(&sums.tangential));
-        let add = |to: &mut Loss, of: &dyn Fn(usize) -> f64| to.add([multiplicity * of(0), multiplicity * of(1)]);
+        let add = |to: &mut StepEnergy, of: &dyn Fn(usize) -> f64| to.add([multiplicity * of(0), multiplicity * of(1)]);
         self.impulse -= multiplicity * (sums.normal.impulse.z + sums.tangential.impulse.z);
         add(&mut self.on_film, &|half| normal[half] + tangential[half]);
         add(&mut self.loss.impact, &|half| normal[half] - sums.normal.film[half]);

@@ -29,7 +29,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::disjoint::Disjoint;
-use super::energy::{ContactLoss, Loss};
+use super::energy::{ContactLoss, StepEnergy};
 use super::film::Film;
 use super::film_contact::FilmContact;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
@@ -97,7 +97,7 @@ const NODES_PER_RANGE: usize = 256;
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Work {
     /// Done by the impactor on the film.
-    pub(super) on_film: Loss,
+    pub(super) on_film: StepEnergy,
     /// Dissipated.
     pub(super) loss: ContactLoss,
     /// Momentum transferred to the impactor along z, N s.

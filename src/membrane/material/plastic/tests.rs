@@ -296,7 +296,11 @@ fn the_bound_holds_at_random_states() {
                 let step = 2e-4 * first.min(second);
                 let energy = |way: f64| {
                     let mut moved = f;
-                    moved.iter_mut().flatten().zip(motion).for_each(|(f, m)| f[0] += way * step * m / size);
+                    moved
+                        .iter_mut()
+                        .flat_map(|f| &mut f.0)
+                        .zip(motion)
+                        .for_each(|(f, m)| f[0] += way * step * m / size);
                     law.energy(&Deformation::from(moved), &history).stored[0]
                 };
                 let stiffness = (energy(1.0) - 2.0 * energy(0.0) + energy(-1.0)) / (step * step);
@@ -362,8 +366,8 @@ fn energy_is_closed_over_load_cycles() {
             for k in 1..=2 * steps {
                 let now = path(f64::from(k) / f64::from(steps));
                 let next = step(&law, now, &mut history, 0.5 / f64::from(steps)).p;
-                let parts = now.iter().flatten().zip(before.iter().flatten());
-                let forces = stress.iter().flatten().zip(next.iter().flatten());
+                let parts = now.iter().flat_map(|p| &p.0).zip(before.iter().flat_map(|p| &p.0));
+                let forces = stress.iter().flat_map(|p| &p.0).zip(next.iter().flat_map(|p| &p.0));
                 work += parts.zip(forces).map(|((a, b), (p, q))| 0.5 * (p[0] + q[0]) * (a[0] - b[0])).sum::<f64>();
                 (before, stress) = (now, next);
             }
@@ -380,7 +384,7 @@ fn energy_is_closed_over_load_cycles() {
 fn rotation_alone_gives_no_stress() {
     let law = slow(orthotropic(), voce());
     let stress = step(&law, turned([1.0, 1.0], [0.4, 0.9]), &mut Point::virgin(), 1.0);
-    assert!(stress.p.iter().flatten().all(|p| p[0].abs() < 1e-15 * 10.0 * YOUNG), "{:?}", stress.p);
+    assert!(stress.p.iter().flat_map(|p| &p.0).all(|p| p[0].abs() < 1e-15 * 10.0 * YOUNG), "{:?}", stress.p);
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn held_film_relaxes_by_the_series() {
         let viscosity = series(&[[0.3, 1e-3], [0.2, 2e-2], [0.1, 0.5]]).rested(0.0);
         let mut point = Point::new(law, viscosity.clone()).mounted(d);
         let instant = point.law.stress(d, &mut History::virgin(), 0.0).p;
-        let scale = instant.iter().flatten().fold(0.0_f64, |most, p| most.max(p[0].abs()));
+        let scale = instant.iter().flat_map(|p| &p.0).fold(0.0_f64, |most, p| most.max(p[0].abs()));
         let mut time = 0.0;
         for step in 0..60 {
             let dt = 1e-6 * 1.3_f64.powi(step) * (1.0 + 0.5 * f64::from(step).sin());
@@ -108,7 +108,7 @@ fn held_film_relaxes_by_the_series() {
             let stress = point.moved(d, dt).p;
             let of_term = |term: &PronyTerm| term.share * (1.0 - (-time / term.time).exp());
             let left = 1.0 - viscosity.terms().iter().map(of_term).sum::<f64>();
-            for (found, instant) in stress.iter().flatten().zip(instant.iter().flatten()) {
+            for (found, instant) in stress.iter().flat_map(|p| &p.0).zip(instant.iter().flat_map(|p| &p.0)) {
                 assert!((found[0] - left * instant[0]).abs() < 1e-12 * scale, "{time}: {} {}", found[0], instant[0]);
             }
         }

@@ -63,16 +63,17 @@ const LENGTHS: [f64; 8] = [0.02, 0.0325, 0.053, 0.086, 0.14, 0.228, 0.37, 0.6];
 pub(super) enum Size {
     /// A share of the root mean square of the signal, everywhere.
     Even,
-    /// A share of the simulated signal where it is.
-    OfSignal,
+    /// In proportion to the simulated signal.
+    InProportion,
 }
 
 impl Size {
-    /// What an error of a share is the share of, where a simulated signal has a `value` and the root mean square `level`.
+    /// What an error of a share is the share of, where a simulated signal has a `value` and the root mean square `level`: with the
+    /// sign of the signal in proportion to it, since a law that is too stiff is so on both sides of zero.
     pub(super) fn of(self, value: f64, level: f64) -> f64 {
         match self {
             Size::Even => level,
-            Size::OfSignal => value.abs(),
+            Size::InProportion => value,
         }
     }
 }
@@ -81,7 +82,8 @@ impl Size {
 /// (assumed): of its size a tenth, a third and half.
 const ROUGH_PARTS: [f64; 3] = [0.01, 0.1, 0.3];
 
-/// The shape of the model's error along a signal: a process with Matérn's correlation.
+/// The shape of the model's error along a signal: a process with Matérn's correlation, smooth ones with a rough part or none, and its
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     /// Twice Matérn's ν: 1 (exponential), 3 (once differentiable), or 0 for any number of times (squared exponential).
@@ -100,7 +102,7 @@ impl Shape {
         let smooth = if length.is_none() { &ROUGH_PARTS[..] } else { &[] };
         let orders = [(1, 0.0), (3, 0.0), (0, 0.0)].into_iter().chain(smooth.iter().map(|rough| (0, *rough)));
         let of_size =
-            |(order, rough, length)| [Size::Even, Size::OfSignal].map(|size| Shape { order, length, rough, size });
+            |(order, rough, length)| [Size::Even, Size::InProportion].map(|size| Shape { order, length, rough, size });
         orders.flat_map(of_order).flat_map(of_size).collect()
     }
 
@@ -166,7 +168,7 @@ impl fmt::Display for Shape {
         if self.rough > 0.0 {
             write!(f, " but for a rough {} % of its size", significant(100.0 * self.rough.sqrt(), 2))?;
         }
-        if self.size == Size::OfSignal { f.write_str(", as large as the signal") } else { Ok(()) }
+        if self.size == Size::InProportion { f.write_str(", in proportion to the signal") } else { Ok(()) }
     }
 }
 
@@ -270,7 +272,7 @@ pub(super) struct ErrorModel {
 }
 
 /// The model's error in coordinates in which it and noise are independent: differences over the noise by these rows, and
-/// variances of an error of the size of the signal.
+/// variances of an error with a share of one.
 #[derive(Clone, Debug)]
 pub(super) struct Spectrum {
     pub(super) basis: Arc<DMatrix<f64>>,
@@ -299,7 +301,7 @@ impl Spectrum {
         Spectrum { basis: Arc::new(basis), eigenvalues: parts.iter().flat_map(|own| own.eigenvalues.clone()).collect() }
     }
 
-    /// Variances of its coordinates with a model's error of `share` of the root mean square of the signal.
+    /// Variances of its coordinates with a model's error of this share.
     pub(super) fn variances(&self, share: f64) -> impl Iterator<Item = f64> + '_ {
         self.eigenvalues.iter().map(move |eigenvalue| (1.0 + share * share * eigenvalue).max(LEAST_VARIANCE))
     }
@@ -389,7 +391,8 @@ impl ErrorModel {
             Correlation::Length(length) => length,
             Correlation::Share(share) => share * window,
         };
-        // The recordings show the roughness of the model's error as noise, too.
+        // The recordings show the roughness of the model's error as noise, too: each place is relieved of its own. Where an error in
+        // proportion is small, the noise stays as large as the recording shows it.
         let rough = self.fine.map_or(0.0, |(fine, factor)| factor * shape.third_difference(fine / length));
         let bin = window / bins as f64 / length;
         let scale = |(noise, simulated): (f64, &f64)| shape.size.of(*simulated, self.level) / noise;
@@ -618,7 +621,7 @@ type Decomposed = (Arc<DMatrix<f64>>, Vec<f64>);
 /// Those of an error of unit variance over so many bins, which signals of all tests have in common: each is computed once.
 fn decomposed(shape: Shape, bins: usize, bin: f64) -> Arc<Decomposed> {
     /// Most that are kept.
-    const MOST: usize = 256;
+    const MOST: usize = 512;
     static KNOWN: Mutex<BTreeMap<(u8, u64, usize, u64), Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
     let known = || base::lock(&KNOWN);
     // Lengths that are shares of windows differ by rounding.
@@ -645,9 +648,10 @@ pub(super) struct Left<'a> {
     pub(super) shapes: &'a [Shape],
 }
 
-/// The share of the model's error, where none is given, for which what tests leave is most likely, zero where noise explains it; and of each test the
-/// shape that is most likely then, with the logarithm of its likelihood over that of the shape which its signals have.
-pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(Shape, f64)>) {
+/// The share of the model's error, where none is given, for which what tests leave is most likely, zero where noise explains it; and
+/// of each test the shape that is most likely then, with the logarithm of its likelihood and that of the shape which its signals
+/// have, −∞ of one that is not among those that it may have.
+pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(Shape, [f64; 2])>) {
     /// Shares that are considered.
     const RANGE: [f64; 2] = [1e-4, 1.0];
     /// Shares that are tried, evenly in the logarithm: 4 % apart.
@@ -677,7 +681,7 @@ pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(
         let has = left.signals.first().map(|(model, _)| model.shape());
         let now =
             left.shapes.iter().position(|own| Some(*own) == has).map_or(f64::NEG_INFINITY, |own| shapes[own][best]);
-        (left.shapes[most], shapes[most][best] - now)
+        (left.shapes[most], [shapes[most][best], now])
     };
     (shares[best], tests.iter().zip(&all).map(shape).collect())
 }

@@ -75,25 +75,30 @@ fn means_of_an_exponential_error_have_their_closed_covariance() {
 #[test]
 fn whitened_residuals_have_the_norm_of_the_covariance() {
     let (measured, simulated) = (half_wave(1.0, 1), half_wave(0.0, 1));
-    let shape = Shape { order: 3, length: Correlation::Length(2e-3), rough: 0.0, size: Size::Even };
-    let model = of(&[&measured], Noise::Share(0.01), shape).unwrap();
-    let share = 0.05;
-    let means = DVector::from_vec(model.means(&simulated).unwrap()) - &model.measured;
-    let level = model.measured.norm() / (model.bins() as f64).sqrt();
-    let bin = 0.1 / model.bins() as f64 / 2e-3;
-    let covariance = DMatrix::from_fn(model.bins(), model.bins(), |row, column| {
-        let own = (share * level).powi(2) * shape.of_means(row.abs_diff(column), bin);
-        own + if row == column { model.noise().powi(2) } else { 0.0 }
-    });
-    let expected = means.dot(&(covariance.clone().try_inverse().unwrap() * &means));
-    let scaled = model.scaled(&simulated).unwrap();
-    let found: f64 = model.whitened(&scaled, share).iter().map(|r| r * r).sum();
-    assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
-    let log_determinant = 2.0 * covariance.cholesky().unwrap().l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-    let constant = 2.0 * model.bins() as f64 * model.noise().ln();
-    let likelihood = -0.5 * (expected + log_determinant - constant);
-    let own = model.spectrum.log_likelihood(&scaled)(share);
-    assert!((own - likelihood).abs() < 1e-6 * likelihood.abs());
+    let even = Shape { order: 3, length: Correlation::Length(2e-3), rough: 0.0, size: Size::Even };
+    let rough = Shape { order: 0, length: Correlation::Share(0.1), rough: 0.1, size: Size::InProportion };
+    for shape in [even, rough] {
+        let mut model = of(&[&measured], Noise::Share(0.01), shape).unwrap();
+        model.set_simulated(&simulated).unwrap();
+        let share = 0.05;
+        let means = DVector::from_vec(model.means(&simulated).unwrap()) - &model.measured;
+        let level = model.measured.norm() / (model.bins() as f64).sqrt();
+        let bin = 0.1 / model.bins() as f64 / if shape == even { 2e-3 } else { 0.01 };
+        let size = |row: usize| if shape == even { level } else { model.means(&simulated).unwrap()[row] };
+        let covariance = DMatrix::from_fn(model.bins(), model.bins(), |row, column| {
+            let own = share * share * size(row) * size(column) * shape.of_means(row.abs_diff(column), bin);
+            own + if row == column { model.noise().powi(2) } else { 0.0 }
+        });
+        let expected = means.dot(&(covariance.clone().try_inverse().unwrap() * &means));
+        let scaled = model.scaled(&simulated).unwrap();
+        let found: f64 = model.whitened(&scaled, share).iter().map(|r| r * r).sum();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        let log_determinant = 2.0 * covariance.cholesky().unwrap().l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        let constant = 2.0 * model.bins() as f64 * model.noise().ln();
+        let likelihood = -0.5 * (expected + log_determinant - constant);
+        let own = model.spectrum.log_likelihood(&scaled)(share);
+        assert!((own - likelihood).abs() < 1e-6 * likelihood.abs());
+    }
 }
 
 /// The loading half of a pulse of unknown size, whose contact is found late or early with a known deviation: the size found with

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
-use crate::calibrate::error_model::{Shape, Size, Spectrum};
+use crate::calibrate::error_model::{Shape, Size, Spectrum, log_mean_exp};
 use crate::calibrate::mesh;
 use crate::calibrate::objective::CalibrationObjective;
 use crate::calibrate::plan::{BreakUnknowns, Plan};
@@ -86,8 +86,8 @@ pub(super) struct Posterior {
     pub(super) runs_of_tests: Vec<usize>,
     /// Error of the surrogate of each test at new points.
     pub(super) errors: Vec<f64>,
-    /// How likely the model's error is as large as the signal where it is, mean over the tests.
-    of_signal: f64,
+    /// Of each state, how likely the model's error is in proportion to the signal, mean over the tests that have one.
+    in_proportion: Vec<f64>,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -177,14 +177,15 @@ impl Posterior {
         let mut stream = Stream::new(seed);
         let draw = |place: usize| {
             // Evenly over the samples, so that few draws are of all ensembles.
-            let state = &self.states[(place * self.states.len()) / count];
+            let number = (place * self.states.len()) / count;
+            let state = &self.states[number];
             let mut x = state[..self.layout.unknowns].to_vec();
             for own in &self.layout.scattered {
                 let ends = plan.parameter_at(own.unknown).ends();
                 x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
             let breaks = [stream.normal(), stream.normal()];
-            let size = if stream.uniform() < self.of_signal { Size::OfSignal } else { Size::Even };
+            let size = if stream.uniform() < self.in_proportion[number] { Size::InProportion } else { Size::Even };
             Draw { x, error: (self.layout.share(state, plan), size), breaks }
         };
         (0..count).map(draw).collect()
@@ -674,22 +675,20 @@ impl<'a> Sampling<'a> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
-    /// How likely the model's error of a test is as large as the signal where it is.
-    fn of_signal(&self, test: usize, surrogate: &TestSurrogate, samples: &Samples) -> f64 {
-        /// Samples that are looked at.
-        const SOME: usize = 200;
-        let shapes = self.plan.shapes(test);
-        let of_state = |state: &Vec<f64>| {
+    /// How likely the model's error is in proportion to the signal at a state, mean over the tests that have an error along one; zero
+    /// where none has.
+    fn in_proportion(&self, surrogates: &[TestSurrogate], state: &[f64]) -> f64 {
+        let of_test = |(test, surrogate): (usize, &TestSurrogate)| {
+            let shapes = self.plan.shapes(test);
             let x = self.layout.in_test(state, test);
-            let found = surrogate.predicted(&self.acting[test].iter().map(|index| x[*index]).collect::<Vec<_>>())?;
+            let point: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
+            let found = surrogate.predicted(&point).filter(|_| shapes.len() > 1)?;
             let logs = surrogate.of_shapes(&found, self.layout.share(state, self.plan));
-            let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let likelihoods = || logs.iter().map(|log| (log - most).exp());
-            let of_signal = likelihoods().zip(&shapes).filter(|(_, shape)| shape.size() == Size::OfSignal);
-            Some(of_signal.map(|(own, _)| own).sum::<f64>() / likelihoods().sum::<f64>())
+            let own = logs.iter().zip(&shapes).filter(|(_, shape)| shape.size() == Size::InProportion);
+            let share = own.clone().count() as f64 / shapes.len() as f64;
+            Some(share * (log_mean_exp(own.map(|(log, _)| *log)) - log_mean_exp(logs.iter().copied())).exp())
         };
-        let some = samples.points.iter().step_by(samples.points.len().div_ceil(SOME).max(1));
-        let found: Vec<f64> = some.filter_map(of_state).collect();
+        let found: Vec<f64> = surrogates.iter().enumerate().filter_map(of_test).collect();
         found.iter().sum::<f64>() / found.len().max(1) as f64
     }
 
@@ -697,8 +696,8 @@ impl<'a> Sampling<'a> {
     fn result(&self, mut so_far: SoFar) -> HostResult<Posterior> {
         let samples = self.samples(&mut so_far, true)?;
         let SoFar { runs, failed, computed, rounds, surrogates, errors, is_inside, .. } = so_far;
-        let of_tests = surrogates.iter().enumerate().map(|(test, surrogate)| self.of_signal(test, surrogate, &samples));
-        let of_signal = of_tests.sum::<f64>() / surrogates.len() as f64;
+        let states = kept(samples.points, self.options.seed);
+        let in_proportion = states.par_iter().map(|state| self.in_proportion(&surrogates, state)).collect();
         let mut warnings = Vec::new();
         if !is_inside {
             warnings.push(Warning::PosteriorCut { rounds });
@@ -726,14 +725,14 @@ impl<'a> Sampling<'a> {
         Ok(Posterior {
             plan: Arc::clone(self.plan),
             layout: self.layout.clone(),
-            states: kept(samples.points, self.options.seed),
+            states,
             r_hat: samples.r_hat,
             effective: samples.effective,
             acceptance: samples.acceptance,
             runs: computed,
             runs_of_tests: runs.iter().map(Vec::len).collect(),
             errors,
-            of_signal,
+            in_proportion,
             warnings,
         })
     }
