@@ -615,6 +615,9 @@ fn covariance(shape: Shape, bins: usize, bin: f64) -> DMatrix<f64> {
     DMatrix::from_fn(bins, bins, |row, column| covariances[row.abs_diff(column)])
 }
 
+/// Order of a shape, bits of its rough part, bins, and lengths of a bin in billionths.
+type Key = (u8, u64, usize, u64);
+
 /// Eigenvectors, as rows, and eigenvalues of a covariance.
 type Decomposed = (Arc<DMatrix<f64>>, Vec<f64>);
 
@@ -622,7 +625,7 @@ type Decomposed = (Arc<DMatrix<f64>>, Vec<f64>);
 fn decomposed(shape: Shape, bins: usize, bin: f64) -> Arc<Decomposed> {
     /// Most that are kept.
     const MOST: usize = 512;
-    static KNOWN: Mutex<BTreeMap<(u8, u64, usize, u64), Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
+    static KNOWN: Mutex<BTreeMap<Key, Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
     let known = || base::lock(&KNOWN);
     // Lengths that are shares of windows differ by rounding.
     let key = (shape.order, shape.rough.to_bits(), bins, (1e9 * bin).round() as u64);
