@@ -63,6 +63,9 @@ pub(super) fn found(output: &ScriptOutput, estimates: &[Estimate]) -> Option<Str
         let mut letters = own.message.chars();
         letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
     });
+    // A script with several calibrations has as many: none of them is its answer.
+    let next: Vec<String> = next.collect();
+    let next = if next.len() == 1 { next } else { Vec::new() };
     let answers = [met(&fits(output)), known(estimates)].into_iter().flatten();
     let sentences: Vec<String> = answers.chain(next).collect();
     (!sentences.is_empty()).then(|| sentences.join(" "))
@@ -123,6 +126,8 @@ fn known(estimates: &[Estimate]) -> Option<String> {
     let mut doubts: Vec<(&str, Vec<String>)> = Vec::new();
     for (doubt, name) in estimates.iter().filter_map(|one| Some((one.doubt.as_deref()?, one.name()))) {
         match doubts.iter_mut().find(|(own, _)| *own == doubt) {
+            // Once, of several calibrations.
+            Some((_, names)) if names.contains(&name) => {}
             Some((_, names)) => names.push(name),
             None => doubts.push((doubt, vec![name])),
         }
