@@ -287,5 +287,9 @@ mod tests {
             found(&output, &all).expect("an answer"),
             "Identified: k1 2 (±5 %). ke and ky are limited by the mesh. kb is at its upper bound. Measure light next: it narrows ky."
         );
+        // Of two calibrations that doubt the same.
+        let output = ScriptOutput { findings: [&output.findings[..]; 2].concat(), ..ScriptOutput::default() };
+        let twice = found(&output, &[&all[1..], &all[1..]].concat()).expect("an answer");
+        assert_eq!(twice, "ke and ky are limited by the mesh. kb is at its upper bound.");
     }
 }
