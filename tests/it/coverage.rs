@@ -271,11 +271,12 @@ fn intervals_of_studies_by_sensors_of_many_kinds_hold_the_truth() {
                 faults.push(format!("{name}: {share} of the intervals of {level} hold the truth"));
             }
         }
-        let mut verdicts: Vec<&str> = own.iter().map(|own| own.verdict.as_str()).collect();
-        verdicts.sort_unstable();
-        for verdict in verdicts.chunk_by(|a, b| a == b).filter(|_| name != "model error") {
-            println!("    {} {}", verdict.len(), verdict[0]);
-        }
+    }
+    let mut verdicts: Vec<&&Found> = found.iter().filter(|own| !own.verdict.is_empty()).collect();
+    verdicts.sort_by_key(|own| &own.verdict);
+    for same in verdicts.chunk_by(|a, b| a.verdict == b.verdict) {
+        let held = same.iter().filter(|own| own.holds(0)).count();
+        println!("{}: {held} of {} intervals of 95 % hold", same[0].verdict, same.len());
     }
     assert!(faults.is_empty(), "{faults:#?}");
 }
