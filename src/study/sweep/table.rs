@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::json;
@@ -429,16 +430,16 @@ impl Trend {
         }
         let (centre, scale) = (0.5 * (first + last), 0.5 * (last - first));
         let terms = if places.len() < LEAST_PARABOLA { 2 } else { 3 };
-        let mut system = [[0.0; 4]; 3];
+        let (mut normal, mut right) = (DMatrix::<f64>::zeros(terms, terms), DVector::<f64>::zeros(terms));
         for [x, y] in points {
             let u = (x - centre) / scale;
-            let powers = [1.0, u, u * u];
-            for row in 0..terms {
-                (0..terms).for_each(|column| system[row][column] += powers[row] * powers[column]);
-                system[row][3] += powers[row] * y;
-            }
+            let powers = DVector::from_column_slice(&[1.0, u, u * u][..terms]);
+            normal += &powers * powers.transpose();
+            right += powers * y;
         }
-        Some(Trend { centre, scale, coefficients: solved(system, terms)? })
+        let mut coefficients = [0.0; 3];
+        coefficients[..terms].copy_from_slice(normal.cholesky()?.solve(&right).as_slice());
+        Some(Trend { centre, scale, coefficients })
     }
 
     /// Its value at a place.
@@ -447,24 +448,6 @@ impl Trend {
         let [constant, linear, quadratic] = self.coefficients;
         constant + u * (linear + u * quadratic)
     }
-}
-
-/// The solution of the first `count` equations of a symmetric positive system, each with its right side at the end.
-fn solved(mut system: [[f64; 4]; 3], count: usize) -> Option<[f64; 3]> {
-    for pivot in 0..count {
-        let diagonal = system[pivot][pivot];
-        if diagonal.is_nan() || diagonal.abs() <= f64::MIN_POSITIVE {
-            return None;
-        }
-        for row in (0..count).filter(|row| *row != pivot) {
-            let factor = system[row][pivot] / diagonal;
-            let equation = system[pivot];
-            system[row].iter_mut().zip(equation).for_each(|(value, other)| *value -= factor * other);
-        }
-    }
-    let mut solution = [0.0; 3];
-    (0..count).for_each(|row| solution[row] = system[row][3] / system[row][row]);
-    Some(solution)
 }
 
 #[cfg(test)]
