@@ -361,7 +361,7 @@ impl Evaluations {
         let evaluation = match ran {
             Ok(outcome) => {
                 if keys.run != keys.figures && !is_kept {
-                    self.keep(keys.run, &outcome)?;
+                    self.write(Kind::Run, keys.run, &outcome)?;
                 }
                 match plan.evaluate(model, &outcome) {
                     Ok(results) => Evaluation::from_outcome(model, &outcome, &results, begin.elapsed().as_secs_f64()),
@@ -383,7 +383,7 @@ impl Evaluations {
             }
             Err(error) => Evaluation::failed(NoOutcome::from_error(&error, model).cause),
         };
-        self.add(keys, &evaluation)?;
+        self.write(Kind::Record, keys.figures, &evaluation)?;
         if is_kept {
             self.count_hit();
         } else {
@@ -414,7 +414,7 @@ impl Evaluations {
         }
         let found = self.run(&model, run, cancellation);
         match &found {
-            Ok(outcome) => self.keep(run, outcome)?,
+            Ok(outcome) => self.write(Kind::Run, run, outcome)?,
             Err(error) if may_pass(error, &model, run) => {}
             Err(error) => self.write(Kind::Record, failure_key(run), &NoOutcome::from_error(error, &model))?,
         }
@@ -454,28 +454,12 @@ impl Evaluations {
         Ok(known.inspect(|_| self.count_hit()))
     }
 
-    /// Adds a record.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn add(&self, keys: EvaluationKeys, evaluation: &Evaluation) -> Result<(), EvaluationError> {
-        self.write(Kind::Record, keys.figures, evaluation)
-    }
-
     /// The outcome of a run that is kept whole, without its pictures.
     ///
     /// # Errors
     /// It cannot be read.
     pub fn outcome(&self, run: Key) -> Result<Option<Outcome>, EvaluationError> {
         self.read(Kind::Run, run)
-    }
-
-    /// Keeps the outcome of a run, without its pictures.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn keep(&self, run: Key, outcome: &Outcome) -> Result<(), EvaluationError> {
-        self.write(Kind::Run, run, outcome)
     }
 
     /// The value that is kept under `key`; none where there is none, or a damaged one.
