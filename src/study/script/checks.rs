@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use rhai::{AST, ASTFlags, ASTNode, Engine, Expr, FnAccess, FnCallExpr, Ident, Position, Stmt};
 
 use crate::script::module::Unit;
-use crate::script::{CallOptions, Fault, Fields};
+use crate::script::{CallOptions, Fault, Fields, Session};
 use base::diagnostic::{closest, did_you_mean};
 use base::removed;
 
@@ -13,34 +13,41 @@ use base::removed;
 const BUILT_IN: [&str; 9] =
     ["print", "debug", "type_of", "Fn", "call", "curry", "is_shared", "is_def_var", "is_def_fn"];
 
-/// Every call in `units` whose name neither the engine nor the text with the call defines, in the order of the texts.
+/// Calls of undefined functions, accesses to unknown fields and unknown options in `units`, each kind in the order of the texts.
+pub(crate) fn faults(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
+    let session = Session::of_engine(engine);
+    let words: Vec<(&Unit, Words)> = units.iter().map(|unit| (unit, Words::from_program(&unit.program))).collect();
+    let mut found = undefined_calls(engine, &words);
+    found.extend(unknown_fields(&session.fields(), &words));
+    found.extend(unknown_options(&session.call_options(), &words));
+    found
+}
+
+/// Every call whose name neither the engine nor the text with the call defines.
 ///
 /// A method may also be a closure in a map, so a method is accepted where one of the texts has its name as a key, a
 /// property or a text.
-pub(crate) fn undefined_calls(engine: &Engine, units: &[Unit]) -> Vec<Fault> {
+fn undefined_calls(engine: &Engine, all: &[(&Unit, Words)]) -> Vec<Fault> {
     let mut known: BTreeSet<String> = engine
         .collect_fn_metadata(None, |function| Some(function.metadata.name.to_string()), true)
         .into_iter()
         .collect();
     known.extend(BUILT_IN.map(str::to_owned));
-    let words: Vec<Words> = units.iter().map(|unit| Words::from_program(&unit.program)).collect();
-    let mentioned: HashSet<&str> = words.iter().flat_map(|words| words.mentioned.iter().map(String::as_str)).collect();
-    units.iter().zip(&words).flat_map(|(unit, words)| calls_of_unit(unit, words, &mentioned, known.clone())).collect()
+    all.iter().flat_map(|(unit, words)| calls_of_unit(unit, words, all, known.clone())).collect()
 }
 
-fn calls_of_unit(unit: &Unit, words: &Words, mentioned: &HashSet<&str>, mut known: BTreeSet<String>) -> Vec<Fault> {
+fn calls_of_unit(unit: &Unit, words: &Words, all: &[(&Unit, Words)], mut known: BTreeSet<String>) -> Vec<Fault> {
     known.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
     let undefined = |call: &&Call| {
-        let in_a_map = call.is_method && mentioned.contains(call.name.as_str());
-        !known.contains(&call.name) && !in_a_map
+        let in_a_map = || call.is_method && all.iter().any(|(_, words)| words.mentions(&call.name));
+        !known.contains(&call.name) && !in_a_map()
     };
-    let mut calls: Vec<&Call> = words.calls.iter().filter(undefined).collect();
-    calls.sort_by_key(|call| order(call.position));
+    let calls = words.calls.iter().filter(undefined);
     let fault = |call: &Call| {
         let message = format!("undefined function `{}`", call.name);
         Fault::located(&unit.source, call.position, message).with_hint(hint_for(call, words, &known))
     };
-    calls.into_iter().map(fault).collect()
+    calls.map(fault).collect()
 }
 
 fn hint_for(call: &Call, words: &Words, known: &BTreeSet<String>) -> Option<String> {
@@ -85,12 +92,17 @@ struct Call {
     is_method: bool,
 }
 
-/// The calls of a script, and other names in it.
+/// Map, field and place of an access.
+type Access = (String, String, Position);
+
+/// The calls of a script, its accesses `.<map>.<field>`, both in the order of the text, and other names in it.
 #[derive(Default)]
 struct Words {
     calls: Vec<Call>,
-    /// Keys of maps, properties and texts.
-    mentioned: HashSet<String>,
+    accesses: Vec<Access>,
+    /// Keys of maps, and texts.
+    written: HashSet<String>,
+    properties: HashSet<String>,
     variables: HashSet<String>,
 }
 
@@ -98,9 +110,14 @@ impl Words {
     fn from_program(program: &AST) -> Words {
         let mut words = Words::default();
         each_node(program, |node, _| match node {
-            ASTNode::Expr(Expr::StringConstant(text, _)) => drop(words.mentioned.insert(text.to_string())),
-            ASTNode::Expr(Expr::Property(property, _)) => drop(words.mentioned.insert(property.2.to_string())),
-            ASTNode::Expr(map @ Expr::Map(..)) => words.mentioned.extend(keys_of(map)),
+            ASTNode::Expr(Expr::StringConstant(text, _)) => drop(words.written.insert(text.to_string())),
+            ASTNode::Expr(Expr::Property(property, _)) => drop(words.properties.insert(property.2.to_string())),
+            ASTNode::Expr(Expr::Map(map, _)) => words.written.extend(map.0.iter().map(|(key, _)| key.name.to_string())),
+            ASTNode::Expr(Expr::Dot(pair, ..)) => {
+                if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
+                    words.accesses.push((map, field, position));
+                }
+            }
             ASTNode::Stmt(Stmt::Var(variable, ..)) => drop(words.variables.insert(variable.0.name.to_string())),
             other => {
                 let call = as_call(other).filter(|(call, ..)| !call.is_operator_call() && !call.is_qualified());
@@ -112,25 +129,33 @@ impl Words {
                 words.calls.extend(call.map(named));
             }
         });
+        words.calls.sort_by_key(|call| order(call.position));
+        words.accesses.sort_by_key(|(_, _, position)| order(*position));
         words
     }
-}
 
-/// Every option in `units` that its function does not have, in the order of the texts. Functions that a text defines itself, or that
-/// it has as a key, a property or a text, are not those of the host.
-pub(crate) fn unknown_options(known: &[CallOptions], units: &[Unit]) -> Vec<Fault> {
-    let mut own: HashSet<String> = HashSet::new();
-    for unit in units {
-        own.extend(unit.program.iter_functions().map(|function| function.name.to_owned()));
-        own.extend(Words::from_program(&unit.program).mentioned);
+    /// Whether a name stands in it as a key, a property or a text.
+    fn mentions(&self, name: &str) -> bool {
+        self.written.contains(name) || self.properties.contains(name)
     }
-    units.iter().flat_map(|unit| options_of_unit(known, unit, &own)).collect()
 }
 
-fn options_of_unit(known: &[CallOptions], unit: &Unit, own: &HashSet<String>) -> Vec<Fault> {
+/// Every option that its function does not have. Functions that a text defines itself, or that it has as a key, a property or a
+/// text, are not those of the host.
+fn unknown_options(known: &[CallOptions], all: &[(&Unit, Words)]) -> Vec<Fault> {
+    let is_own = |name: &str| {
+        let is_of = |(unit, words): &(&Unit, Words)| {
+            unit.program.iter_functions().any(|function| function.name == name) || words.mentions(name)
+        };
+        all.iter().any(is_of)
+    };
+    all.iter().flat_map(|(unit, _)| options_of_unit(known, unit, &is_own)).collect()
+}
+
+fn options_of_unit(known: &[CallOptions], unit: &Unit, is_own: impl Fn(&str) -> bool) -> Vec<Fault> {
     let mut found = Vec::new();
     each_node(&unit.program, |node, _| {
-        let Some((call, ..)) = as_call(node).filter(|(call, ..)| !own.contains(call.name.as_str())) else { return };
+        let Some((call, ..)) = as_call(node).filter(|(call, ..)| !is_own(call.name.as_str())) else { return };
         for options in known.iter().filter(|options| options.function == call.name.as_str()) {
             let maps = call.args.last().map(|given| maps_of(given, options.inside)).unwrap_or_default();
             for key in maps.into_iter().filter_map(as_map).flatten().map(|(key, _)| key) {
@@ -172,47 +197,21 @@ fn as_map(expression: &Expr) -> Option<impl Iterator<Item = (&Ident, &Expr)>> {
     }
 }
 
-/// The keys of a map.
-fn keys_of(map: &Expr) -> impl Iterator<Item = String> {
-    as_map(map).into_iter().flatten().map(|(key, _)| key.name.to_string())
-}
-
-/// Every access `.<map>.<field>` in `units` to a field that the map cannot have, in the order of the texts. A program
-/// that has the name of the map, or of the field, as a key or a text may make such a map itself.
-pub(crate) fn unknown_fields(known: &[Fields], units: &[Unit]) -> Vec<Fault> {
-    let mut own: HashSet<String> = HashSet::new();
-    let found: Vec<Vec<Access>> = units.iter().map(|unit| accesses(unit, &mut own)).collect();
-    let fault = |unit: &Unit, (map, field, position): Access| {
+/// Every access to a field that its map cannot have. A program that has the name of the map, or of the field, as a key or a text may
+/// make such a map itself.
+fn unknown_fields(known: &[Fields], all: &[(&Unit, Words)]) -> Vec<Fault> {
+    let is_own = |name: &String| all.iter().any(|(_, words)| words.written.contains(name));
+    let fault = |(unit, (map, field, position)): (&Unit, &Access)| {
         let is_of = |name: &&str| field.strip_suffix(*name).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
         let known = known.iter().find(|known| known.map == map && !known.names.iter().any(is_of))?;
-        if own.contains(&map) || own.contains(&field) {
+        if is_own(map) || is_own(field) {
             return None;
         }
-        let fault = Fault::located(&unit.source, position, format!("a {map} has no `{field}`"));
-        Some(fault.with_hint(did_you_mean(&field, known.names.iter().copied())))
+        let fault = Fault::located(&unit.source, *position, format!("a {map} has no `{field}`"));
+        Some(fault.with_hint(did_you_mean(field, known.names.iter().copied())))
     };
-    let faults = units.iter().zip(found).flat_map(|(unit, found)| found.into_iter().map(move |access| (unit, access)));
-    faults.filter_map(|(unit, access)| fault(unit, access)).collect()
-}
-
-/// Map, field and place of an access.
-type Access = (String, String, Position);
-
-/// The accesses in a text; keys and texts in it are added to `own`.
-fn accesses(unit: &Unit, own: &mut HashSet<String>) -> Vec<Access> {
-    let mut found: Vec<Access> = Vec::new();
-    each_node(&unit.program, |node, _| match node {
-        ASTNode::Expr(map @ Expr::Map(..)) => own.extend(keys_of(map)),
-        ASTNode::Expr(Expr::StringConstant(text, _)) => drop(own.insert(text.to_string())),
-        ASTNode::Expr(Expr::Dot(pair, ..)) => {
-            if let (Some((map, _)), Some((field, position))) = (property(&pair.lhs), first_property(&pair.rhs)) {
-                found.push((map, field, position));
-            }
-        }
-        _ => {}
-    });
-    found.sort_by_key(|(_, _, position)| order(*position));
-    found
+    let accesses = all.iter().flat_map(|(unit, words)| words.accesses.iter().map(|access| (*unit, access)));
+    accesses.filter_map(fault).collect()
 }
 
 fn property(expression: &Expr) -> Option<(String, Position)> {

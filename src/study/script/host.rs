@@ -164,15 +164,8 @@ impl Script {
         let (shipped, reads_files) = session.modules();
         let finder = Finder { script: path.into(), shipped, reads_files };
         let units = module::load(engine, &finder, source, program)?;
-        let mut faults = checks::undefined_calls(engine, &units);
-        faults.extend(checks::unknown_fields(&session.fields(), &units));
-        faults.extend(checks::unknown_options(&session.call_options(), &units));
+        let faults = checks::faults(engine, &units);
         if faults.is_empty() { Ok(Script { units }) } else { Err(faults) }
-    }
-
-    /// Its text, then those of its modules.
-    pub fn sources(&self) -> impl Iterator<Item = &SourceText> {
-        self.units.iter().map(|unit| &unit.source)
     }
 
     /// The identity of the script: its text and those of its modules.

@@ -204,19 +204,9 @@ struct State {
 }
 
 impl Programs {
-    /// Runs these from now on. Modules that stay the same keep their constants.
+    /// Runs these from now on.
     pub fn install(&self, units: &[Unit]) {
-        let mut state = self.state();
-        let same = |name: &str| {
-            let text =
-                |units: &[Unit]| units.iter().find(|unit| unit.name == name).map(|unit| unit.source.text.clone());
-            text(units) == text(&state.units)
-        };
-        let is_same: Vec<bool> = units.iter().skip(1).map(|unit| same(&unit.name)).collect();
-        if !is_same.into_iter().all(|same| same) {
-            state.evaluated.clear();
-        }
-        state.units = units.to_vec();
+        *self.state() = State { units: units.to_vec(), evaluated: BTreeMap::new() };
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
