@@ -1,11 +1,10 @@
 //! Functions of scenarios and their runs for studies: scripts that are started by `droptower script`.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Map, NativeCallContext};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, INT, Identifier, Map, NativeCallContext};
 use serde_json::Value;
 
 use crate::evaluate::{self, EvaluationError, Evaluations, NoOutcome, RunEvent};
@@ -14,7 +13,7 @@ use crate::post::run::{self, ReferenceSignals};
 use crate::post::{EvaluateError, Plan, ReferenceComparison, Results, Run};
 use crate::script::{
     HostResult, Options, RunFindings, Session, ShippedModule, check_stop, from_json, list, number, numbers,
-    numerical_failure, refuse, refuse_key, to_json,
+    numerical_failure, refuse, refuse_key, run_all, run_list, to_json,
 };
 use crate::store::evaluations::Share;
 use base::budget::Claim;
@@ -91,10 +90,13 @@ impl Scenarios {
     pub(crate) fn changed(&self, options: &Options<'_>, set: &str, session: &Session) -> HostResult<Study> {
         let study = self.named(options.value("scenario")?, session)?;
         let Some(changes) = options.map.get("set") else { return Ok(study) };
-        let changes = changes.clone().try_cast::<Map>();
-        study.with(changes.ok_or_else(|| refuse!("{set} is a map of keys and values"))?, session)
+        let changes = changes.read_lock::<Map>().ok_or_else(|| refuse!("{set} is a map of keys and values"))?;
+        study.with(changes_of(&changes)?, session)
     }
 }
+
+/// Changes of a scenario: keys and what is written there; null leaves a key out.
+pub(crate) type Changes = BTreeMap<String, Value>;
 
 /// The outcome of a run, or why there is none.
 type Found = Result<Outcome, NoOutcome>;
@@ -143,7 +145,7 @@ impl Study {
     }
 
     /// A study of the scenario with changed values of its keys.
-    pub(crate) fn with(&self, changes: Map, session: &Session) -> HostResult<Study> {
+    pub(crate) fn with(&self, changes: Changes, session: &Session) -> HostResult<Study> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;
         Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
@@ -389,39 +391,31 @@ fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Arra
     let share = keeping.and_then(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
     let unless_claimed =
         |place: usize| studies[place].simulate_with(&session, Evaluations::outcome_unless_claimed, Plan::measure);
-    let first = in_order(&share.order(studies.len()), unless_claimed);
+    let found = run_all(&session, &share.order(studies.len()), unless_claimed)?;
     // What other processes compute comes last.
-    let runs = first.into_par_iter().zip(&studies).map(|(run, study)| match run? {
-        Some(run) => Ok(run),
+    let found: Vec<(&Study, Option<Run>)> = studies.iter().zip(found).collect();
+    let runs = run_list(&session, &found, |(study, run)| match run {
+        Some(run) => Ok(run.clone()),
         None => study.simulate_or_wait(&session, Plan::measure),
     });
-    runs.map(|run| run.map(Dynamic::from)).collect()
+    Ok(runs?.into_iter().map(Dynamic::from).collect())
 }
 
-/// Takes the places by all threads, in this order; the results are in the order of the places. After an error nothing more
-/// is begun, and what is left has that error.
-fn in_order<T: Send>(order: &[usize], take: impl Fn(usize) -> HostResult<T> + Sync) -> Vec<HostResult<T>> {
-    let is_over = AtomicBool::new(false);
-    let taken = |place: &usize| {
-        let found = (!is_over.load(Ordering::Relaxed)).then(|| take(*place))?;
-        is_over.fetch_or(found.is_err(), Ordering::Relaxed);
-        Some((*place, found))
+/// The changes of a scenario in the map of a script, where `()` leaves a key out.
+pub(crate) fn changes_of(map: &Map) -> HostResult<Changes> {
+    let change = |(key, value): (&Identifier, &Dynamic)| match (value.is_unit(), to_json(value)?) {
+        (false, Value::Null) => Err(refuse!("`{key}` cannot be written in a scenario: {value}")),
+        (_, json) => Ok((key.to_string(), json)),
     };
-    let mut found: Vec<(usize, HostResult<T>)> = order.iter().par_bridge().filter_map(taken).collect();
-    found.sort_by_key(|(place, _)| *place);
-    match found.len() == order.len() {
-        true => found.into_iter().map(|(_, found)| found).collect(),
-        false => found.into_iter().map(|(_, found)| found).filter(Result::is_err).take(1).collect(),
-    }
+    map.iter().map(change).collect()
 }
 
-/// The change of a key; `()` leaves it out.
-fn assignment(key: &str, value: &Dynamic) -> HostResult<Assignment> {
-    if value.is_unit() {
+/// The change of a key; null leaves it out.
+fn assignment(key: &str, value: &Value) -> HostResult<Assignment> {
+    if value.is_null() {
         return Ok(Assignment::unset(key, "script"));
     }
-    let json = to_json(value)?;
-    let value = toml::Value::try_from(&json);
+    let value = toml::Value::try_from(value);
     let value = value.map_err(|error| refuse!("`{key}` cannot be written in a scenario: {error}"))?;
     Assignment::from_value(key, &value, &format!("{CHANGED}{key}")).map_err(mistakes)
 }
@@ -461,7 +455,7 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
             scenarios.read(Path::new(path), &Session::from_context(&context))
         })
         .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
-            study.with(changes, &Session::from_context(&context))
+            study.with(changes_of(&changes)?, &Session::from_context(&context))
         })
         .register_fn("simulate", |context: NativeCallContext, study: &mut Study| {
             study.simulate(&Session::from_context(&context))

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use rhai::{Array, Dynamic, Map};
+use rhai::Array;
 use serde_json::{Value, json};
 
 use super::bindings::Calibrated;
@@ -12,7 +12,7 @@ use super::plan::Plan;
 use super::pulled;
 use super::test::Test;
 use super::warning::Warning;
-use crate::scenario_functions::Study;
+use crate::scenario_functions::Changes;
 use crate::script::{HostResult, Options, Row, numbers, object, refuse};
 use base::number::significant;
 use lab::experiment::coupon::{Curve, Direction, WINDOW};
@@ -304,9 +304,8 @@ impl Law {
         let end = asked.strains.iter().copied().fold(asked.modulus[1], f64::max);
         let angles: Vec<f64> = (0..180).step_by(STEP).map(|angle| angle as f64).collect();
         let at = |angle: &f64| -> HostResult<Series> {
-            let turned = Map::from([("loading.stretch.direction".into(), Dynamic::from(format!("{angle} deg")))]);
-            let film: Study = film.with(turned, session)?;
-            pulled::simulated(&film, first.across, end)
+            let turned = Changes::from([("loading.stretch.direction".to_owned(), Value::from(format!("{angle} deg")))]);
+            pulled::simulated(&film.with(turned, session)?, first.across, end)
         };
         let curves = angles.iter().map(at).collect::<HostResult<Vec<_>>>()?;
         let moduli = curves.iter().map(|curve| 1e-6 * modulus(curve, asked.modulus).unwrap_or(f64::NAN)).collect();

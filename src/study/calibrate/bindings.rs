@@ -11,7 +11,7 @@ use super::candidates;
 use super::file::{self, StudyFile};
 use super::fit::{self, Fit, LINEAR};
 use super::left_out;
-use super::parameter::{self, Role, Unknown, texts};
+use super::parameter::{self, Role, Unknown};
 use super::plan::{self, Plan};
 use super::posterior::{Beginning, Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
@@ -22,7 +22,7 @@ use super::warning::Warning;
 use crate::identify::SearchHost;
 use crate::scenario_functions::{Scenarios, Study};
 use crate::script::{
-    CallOptions, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key,
+    CallOptions, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key, texts,
 };
 use base::finding::Finding;
 use uncertainty::statistics::quantiles;
@@ -371,7 +371,7 @@ fn scattered(plan: &Plan, options: &Options<'_>) -> HostResult<Vec<usize>> {
                 false => Ok(found),
             };
         }
-        Some((given, Err(_))) => texts(given, "hierarchy").map_err(refuse)?,
+        Some((given, Err(_))) => texts(given, "hierarchy")?,
     };
     let of_name = |name: &String| {
         let index = plan.parameters.iter().position(|own| own.name == *name).filter(|index| acts_on_two(*index));
@@ -413,9 +413,6 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
 /// `#{ samples, figures, signals, above, errors, seed }`.
 fn asked(options: &Options<'_>) -> HostResult<Asked> {
     options.check(&file::predict_options())?;
-    let list = |name: &str| -> HostResult<Vec<String>> {
-        options.map.get(name).map_or(Ok(Vec::new()), |given| texts(given, name).map_err(refuse))
-    };
     let numbers = |name: &str, example: &str| -> HostResult<Vec<(String, f64)>> {
         let Some(given) = options.map.get(name) else { return Ok(Vec::new()) };
         let map = given.read_lock::<Map>().map(|map| map.clone());
@@ -427,7 +424,7 @@ fn asked(options: &Options<'_>) -> HostResult<Asked> {
     if let Some((figure, error)) = errors.iter().find(|(_, error)| !(*error > 0.0 && error.is_finite())) {
         return Err(refuse!("`errors`: {figure} has {error}, a relative standard deviation is above zero"));
     }
-    let figures = list("figures")?;
+    let figures = options.texts("figures")?;
     let is_asked = |figure: &String| {
         figures.is_empty() || figures.contains(figure) || above.iter().any(|(above, _)| above == figure)
     };
@@ -436,7 +433,7 @@ fn asked(options: &Options<'_>) -> HostResult<Asked> {
         return Err(refuse_key(figure, &text, None));
     }
     // The names of signals are known before the posterior is sampled, and what they stand for.
-    let signals = list("signals")?;
+    let signals = options.texts("signals")?;
     let signals = signals.iter().map(|name| Ok(test::found_column(name).map_err(refuse)?.short.to_owned()));
     Ok(Asked {
         samples: options.whole("samples", 64, 2..=100_000)?,

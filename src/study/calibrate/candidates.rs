@@ -1,6 +1,5 @@
 //! Which test would tell more: what a candidate adds to what is known, by its derivatives at the best point.
 
-use rayon::prelude::*;
 use rhai::{Array, Dynamic, Map};
 use serde_json::json;
 
@@ -11,7 +10,7 @@ use super::pulled;
 use super::test::{Test, Tolerances};
 use super::verdict::{self, Verdict};
 use super::warning::Warning;
-use crate::script::{HostResult, Row, object, refuse};
+use crate::script::{HostResult, Options, Row, object, refuse, run_list};
 use nalgebra::DMatrix;
 use scene::model::Identity;
 
@@ -96,14 +95,10 @@ fn candidate(given: &Dynamic, Calibrated { plan, fit, around, session }: &Calibr
     if let Some(key) = ["outcome", "failure_mass", "rupture_time"].into_iter().find(|key| map.contains_key(*key)) {
         return Err(refuse!("a candidate is compared by signals: what `{key}` would tell is not computed"));
     }
-    let mut study =
-        scenarios.named(map.get("scenario").ok_or_else(|| refuse("a candidate needs its `scenario`"))?, session)?;
-    if let Some(changes) = map.get("set").and_then(|changes| changes.read_lock::<Map>().map(|map| map.clone())) {
-        study = study.with(changes, session)?;
-    }
+    let study = scenarios.changed(&Options { of: "a candidate", map: &map }, "`set` of a candidate", session)?;
     let best = study.with(plan.shared_changes(&fit.values, &plan.taken_by(&study, session)), session)?;
     let signals = match map.get("pull") {
-        Some(given) => pulled::as_recorded(given, &best).map_err(refuse)?,
+        Some(given) => pulled::as_recorded(given, &best)?,
         None => super::test::as_recorded(&map, &study, &best.simulate(session)?)?,
     };
     map.insert("recordings".into(), signals.into());
@@ -149,7 +144,7 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
         }
         Ok(residuals)
     };
-    let found = points.par_iter().map(at).collect::<HostResult<Vec<_>>>()?;
+    let found = run_list(session, &points, at)?;
     let length = found.first().map_or(0, |own| own.len() - 1);
     let mut jacobian = DMatrix::zeros(length, plan.unknowns.len());
     for (place, index) in shared.iter().enumerate() {

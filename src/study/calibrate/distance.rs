@@ -1,9 +1,10 @@
 //! How a simulated signal is compared with a measured one: residuals along it, or one number about it.
 
 use nalgebra::DVector;
+use rhai::Dynamic;
 
 use super::error_model::{ErrorModel, root_mean_square};
-use crate::script::Options;
+use crate::script::{HostResult, Options, refuse};
 use base::removed;
 use lab::signal::{Series, rating};
 
@@ -25,20 +26,14 @@ const USUAL_ERROR: f64 = 0.05;
 
 impl Distance {
     /// The option `distance`, a word, with the option `error`.
-    pub(super) fn read(options: &Options<'_>) -> Result<Distance, String> {
-        let error = options.number("error", USUAL_ERROR).map_err(|error| error.to_string())?;
+    pub(super) fn read(options: &Options<'_>) -> HostResult<Distance> {
+        let error = options.number("error", USUAL_ERROR)?;
         if !(error > 0.0 && error.is_finite()) {
-            return Err(format!("`error` is {error}, which must be above zero"));
+            return Err(refuse!("`error` is {error}, which must be above zero"));
         }
-        let Some(given) = options.map.get("distance") else {
-            if options.map.contains_key("error") {
-                return Err("`error` is of a `distance` other than \"residuals\"".into());
-            }
-            return Ok(Distance::Residuals);
-        };
-        match given.to_string().as_str() {
+        match options.map.get("distance").map_or_else(|| "residuals".to_owned(), Dynamic::to_string).as_str() {
             "residuals" if options.map.contains_key("error") => {
-                Err("`error` is of a `distance` other than \"residuals\"".into())
+                Err(refuse("`error` is of a `distance` other than \"residuals\""))
             }
             "residuals" => Ok(Distance::Residuals),
             "error-norm" => Ok(Distance::ErrorNorm(error)),
@@ -46,7 +41,7 @@ impl Distance {
             other => {
                 let known = || format!("there are {}", NAMES.join(", "));
                 let hint = removed::function(&format!("calibrate.{other}")).unwrap_or_else(known);
-                Err(format!("there is no distance `{other}`; {hint}"))
+                Err(refuse!("there is no distance `{other}`; {hint}"))
             }
         }
     }

@@ -13,7 +13,7 @@ use super::bindings::{Calibration, Surroundings};
 use super::plan::Plan;
 use super::test::found_column;
 use crate::scenario_functions::Scenarios;
-use crate::script::{HostResult, Session, cause, refused_key};
+use crate::script::{self, HostResult, Session, cause, refused_key};
 use base::diagnostic::{Diagnostic, Source, Span, did_you_mean};
 use base::file;
 use scene::scenario::grammar::{self, TableRule};
@@ -301,11 +301,7 @@ impl Reader {
             }
             // A pattern in a list stands for its files.
             Value::List(items) if key == "recordings" => {
-                let all = items.iter().flat_map(|item| match self.value(item, key) {
-                    files if files.is_array() => files.into_array().unwrap_or_default(),
-                    file => vec![file],
-                });
-                all.collect::<Array>().into()
+                items.iter().flat_map(|item| script::one_or_several(&self.value(item, key))).collect::<Array>().into()
             }
             Value::List(items) => items.iter().map(|item| self.value(item, key)).collect::<Array>().into(),
             Value::Table(table) => {

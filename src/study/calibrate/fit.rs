@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 use serde_json::Value;
 
 use super::error_model::{Correlation, Left, Shape, most_likely};
@@ -18,7 +17,7 @@ use crate::identify::{
     weigh_at_start,
 };
 use crate::post::{VIRTUAL_REFERENCE, left_open};
-use crate::script::{HostResult, Session, cause, check_stop, refuse};
+use crate::script::{HostResult, Session, cause, check_stop, refuse, run_all};
 use base::finding::Finding;
 use base::number::wall_time;
 use lab::signal::Series;
@@ -124,7 +123,7 @@ impl Fit {
         let known = verdict::linear(plan, &x, &jacobian, &at_bounds);
         let objective = CalibrationObjective::new(plan, share, session);
         let trial = session.with_trial(session.cancellation());
-        let demands = of_tests(plan, |test| match plan.tests[test].outcomes {
+        let demands = of_tests(plan, session, |test| match plan.tests[test].outcomes {
             Some(_) => Ok(objective.simulated(test, &values, &trial)?.1),
             None => Ok(Vec::new()),
         })?;
@@ -358,13 +357,12 @@ fn left<'p>(plan: &'p Plan, simulated: &[Vec<Series>], shapes: &'p [Vec<Shape>])
 fn simulated_at(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Vec<Series>>> {
     let objective = CalibrationObjective::new(plan, 0.0, session);
     let trial = session.with_trial(session.cancellation());
-    of_tests(plan, |test| Ok(objective.simulated(test, values, &trial)?.0))
+    of_tests(plan, session, |test| Ok(objective.simulated(test, values, &trial)?.0))
 }
 
-/// Something of every test, evaluated at once; of several errors always that of the first test.
-fn of_tests<T: Send>(plan: &Plan, of: impl Fn(usize) -> HostResult<T> + Send + Sync) -> HostResult<Vec<T>> {
-    let found: Vec<HostResult<T>> = (0..plan.tests.len()).into_par_iter().map(of).collect();
-    found.into_iter().collect()
+/// Something of every test, evaluated at once.
+fn of_tests<T: Send>(plan: &Plan, session: &Session, of: impl Fn(usize) -> HostResult<T> + Sync) -> HostResult<Vec<T>> {
+    run_all(session, &(0..plan.tests.len()).collect::<Vec<_>>(), of)
 }
 
 /// Takes the roughness of the simulated signals as noise, and their size; a signal that ends before its window has none yet.
@@ -387,7 +385,7 @@ fn add_contacts(
     /// By so much is the impactor faster, m/s: well above what a run rounds, well below what its film notices.
     const FASTER: f64 = 0.02;
     let trial = session.with_trial(session.cancellation());
-    let faster = of_tests(plan, |test| {
+    let faster = of_tests(plan, session, |test| {
         let own = &plan.tests[test];
         if !own.signals.iter().any(|signal| signal.errors.contact_errors()[1]) {
             return Ok(None);
@@ -400,7 +398,6 @@ fn add_contacts(
         let faster = match faster.transpose() {
             Ok(found) => found,
             Err(error) => {
-                check_stop(session)?;
                 warnings.push(Warning::RunFailed { test: test.name.clone(), cause: cause(&error) });
                 None
             }
@@ -437,7 +434,7 @@ fn coarse(plan: &Plan, runs: &[Warning]) -> Vec<usize> {
 
 /// What the runs of the tests with these values warn of, each warning once with the tests that have it.
 fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<Warning>> {
-    let runs = of_tests(plan, |place| {
+    let runs = of_tests(plan, session, |place| {
         let test = &plan.tests[place];
         if test.pull.is_some() {
             return Ok(None);
@@ -451,7 +448,6 @@ fn of_runs(plan: &Plan, values: &[f64], session: &Session) -> HostResult<Vec<War
             Ok(run) => run,
             Err(error) => {
                 // A run goes on behind the window of its recording, where it was not needed.
-                check_stop(session)?;
                 found.push(Warning::RunFailed { test: test.name.clone(), cause: cause(&error) });
                 continue;
             }

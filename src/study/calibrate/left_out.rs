@@ -1,6 +1,5 @@
 //! Cross-validation: how well a test is predicted by a fit that has not seen it.
 
-use rayon::prelude::*;
 use rhai::{Array, Dynamic};
 use serde_json::json;
 
@@ -10,8 +9,8 @@ use super::objective::CalibrationObjective;
 use super::parameter::Unknown;
 use super::plan::Plan;
 use super::warning::Warning;
-use crate::identify::HostSearch;
-use crate::script::{HostResult, Row, cause, check_stop, object, refuse};
+use crate::identify::{HostSearch, SearchResult, StartResult};
+use crate::script::{HostResult, Row, cause, object, one_or_several, refuse, run_list};
 use lab::signal::Series;
 
 /// The fit without some tests.
@@ -66,10 +65,7 @@ pub(super) fn groups(given: Option<&Array>, plan: &Plan) -> HostResult<Vec<Vec<u
     };
     let index = |name: &Dynamic| plan.place_of(&name.to_string());
     let group = |item: &Dynamic| {
-        let mut found = match item.read_lock::<Array>() {
-            Some(list) => list.iter().map(index).collect::<HostResult<Vec<_>>>()?,
-            None => vec![index(item)?],
-        };
+        let mut found = one_or_several(item).iter().map(index).collect::<HostResult<Vec<_>>>()?;
         found.sort_unstable();
         found.dedup();
         Ok(found)
@@ -112,15 +108,14 @@ pub(super) fn searched(groups: &[Vec<usize>], done: &Calibrated<'_>) -> HostResu
     let found = found.map_err(|(_, error)| ended(session, &error))?;
     let whole = CalibrationObjective::new(plan, fit.share, session);
     let trial = session.with_trial(session.cancellation());
-    let predicted = groups.par_iter().zip(found).map(|(group, found)| {
+    let fits: Vec<(&Vec<usize>, SearchResult)> = groups.iter().zip(found).collect();
+    run_list(session, &fits, |(group, found)| {
+        let StartResult { x, converged, .. } = &found.best;
         // A test that fails by the parameters of the others is a result.
-        let run = |test: &usize| whole.simulated(*test, &found.best.x, &trial).map_err(|error| cause(&error));
-        let predicted = group.par_iter().map(run).collect();
-        LeftOut { tests: group.clone(), predicted, converged: found.best.converged, values: found.best.x }
-    });
-    let predicted = predicted.collect();
-    check_stop(session)?;
-    Ok(predicted)
+        let run = |test: &usize| Ok(whole.simulated(*test, x, &trial).map_err(|error| cause(&error)));
+        let predicted = run_list(session, group, run)?;
+        Ok(LeftOut { tests: group.to_vec(), predicted, converged: *converged, values: x.clone() })
+    })
 }
 
 /// Signals of a test with these values of all unknowns.

@@ -5,13 +5,12 @@
 
 use base::number::significant;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::parameter::Unknown;
 use super::plan::Plan;
 use super::verdict::{information, inverse};
 use super::warning::Warning;
-use crate::script::{HostResult, Session, cause, check_stop};
+use crate::script::{HostResult, Session, cause, run_list};
 use lab::signal::Series;
 
 /// Factors of the size of elements: the check, and the run that shows the order.
@@ -125,24 +124,21 @@ type OnElements = Option<Result<Vec<Series>, String>>;
 /// Runs of all tests at these values on elements of these factors of their size: a row a test.
 fn on_elements(plan: &Plan, factors: &[f64], values: &[f64], session: &Session) -> HostResult<Vec<Vec<OnElements>>> {
     let trial = session.with_trial(session.cancellation());
-    let run = |(test, factor): (usize, f64)| {
-        let own = &plan.tests[test];
+    let run = |(test, factor): &(usize, f64)| {
+        let own = &plan.tests[*test];
         let is_compared = own.signals.iter().any(|signal| signal.distance.is_residuals());
         if own.pull.is_some() || !is_compared {
             return Ok(None);
         }
-        let study = own.study.with(plan.changes_with_breaks(test, values), session)?;
-        let Some(study) = study.with_elements(factor, session) else {
+        let study = own.study.with(plan.changes_with_breaks(*test, values), session)?;
+        let Some(study) = study.with_elements(*factor, session) else {
             return Ok(Some(Err("its mesh is a file".to_owned())));
         };
         Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
     };
     let jobs: Vec<(usize, f64)> =
         (0..plan.tests.len()).flat_map(|test| factors.iter().map(move |factor| (test, *factor))).collect();
-    // Of several errors always the first.
-    let runs: Vec<HostResult<OnElements>> = jobs.into_par_iter().map(run).collect();
-    let runs = runs.into_iter().collect::<HostResult<Vec<_>>>()?;
-    check_stop(session)?;
+    let runs = run_list(session, &jobs, run)?;
     Ok(runs.chunks_exact(factors.len()).map(<[OnElements]>::to_vec).collect())
 }
 

@@ -5,11 +5,12 @@
 //! the drop demands of it, and change smoothly with parameters, which whether film breaks does not. A specimen whose break
 //! strain is above the demand along both holds; break strains scatter from specimen to specimen.
 
-use rhai::{Array, Dynamic, Map};
+use rhai::{Dynamic, Map};
+use serde_json::Value;
 
 use crate::post::Run;
-use crate::scenario_functions::Study;
-use crate::script::{HostResult, Options, Session, refuse};
+use crate::scenario_functions::{Changes, Study};
+use crate::script::{HostResult, Options, Session, one_or_several, refuse};
 use base::units::{Dimension, Mass, Time};
 use lab::signal::Series;
 use lab::signal::column::{MAX_STRAIN_MD, MAX_STRAIN_TD};
@@ -93,19 +94,18 @@ struct Local {
 /// What is known of a test by its options `outcome`, `failure_mass` and `rupture_time`; none where it has none of them.
 pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Option<Outcomes>> {
     let mut all: Vec<Outcome> = Vec::new();
-    for name in ["outcome", "rupture_time", "failure_mass"] {
-        if map.contains_key(name) && several(map.get(name)).is_empty() {
-            return Err(refuse!("`{name}` is an empty array: what is known of each specimen"));
-        }
-    }
-    for one in several(map.get("outcome")) {
+    let several = |name: &str| match map.get(name).map(one_or_several) {
+        Some(list) if list.is_empty() => Err(refuse!("`{name}` is an empty array: what is known of each specimen")),
+        list => Ok(list.unwrap_or_default()),
+    };
+    for one in several("outcome")? {
         all.push(match one.to_string().as_str() {
             "held" => Outcome::Held,
             "broke" => Outcome::Broke,
             other => return Err(refuse!("`outcome` must be \"held\", \"broke\" or an array of them, not \"{other}\"")),
         });
     }
-    for one in several(map.get("rupture_time")) {
+    for one in several("rupture_time")? {
         let (time, error) = with_error(&one, "rupture_time", "time", Time::DIMENSION)?;
         if let Loading::Impact(impact) = &study.model().loading
             && time > impact.duration
@@ -117,7 +117,7 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
         }
         all.push(Outcome::RuptureTime { time, error: error.unwrap_or(0.0) });
     }
-    for one in several(map.get("failure_mass")) {
+    for one in several("failure_mass")? {
         let (mass, error) = with_error(&one, "failure_mass", "mass", Mass::DIMENSION)?;
         all.push(Outcome::FailureMass { mass, error: error.map_or(USUAL_MASS_ERROR, |error| error / mass) });
     }
@@ -133,13 +133,6 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
         }
     }
     Ok(Some(Outcomes { study, factors, all: counted }))
-}
-
-/// One value or a list of them.
-fn several(given: Option<&Dynamic>) -> Vec<Dynamic> {
-    given.map_or_else(Vec::new, |given| {
-        given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone())
-    })
 }
 
 /// A quantity above zero, or a map of it and its error, which is not below zero.
@@ -178,20 +171,16 @@ fn unbroken(study: &Study, session: &Session) -> HostResult<(Study, [f64; 2])> {
     if !matches!(model.loading, Loading::Impact(_)) {
         return Err(refuse("`outcome`, `failure_mass` and `rupture_time` are of drop tests: `[loading.impact]`"));
     }
-    let mut changes = Map::new();
-    for (key, is_there) in [("reference", model.reference.is_some()), ("post", model.post.is_some())] {
-        if is_there {
-            changes.insert(key.into(), Dynamic::UNIT);
-        }
-    }
-    let own = study.with(changes, session)?;
+    let not_needed = [("reference", model.reference.is_some()), ("post", model.post.is_some())];
+    let unset = not_needed.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| (key.to_owned(), Value::Null));
+    let own = study.with(unset.collect(), session)?;
     let factors = factors(&own, session)?;
     Ok((own.with(unbreakable(), session)?, factors))
 }
 
 /// The keys of film that does not break.
-fn unbreakable() -> Map {
-    BREAK_FACTORS.map(|key| (key.into(), UNBROKEN.into())).into_iter().collect()
+fn unbreakable() -> Changes {
+    BREAK_FACTORS.map(|key| (key.to_owned(), Value::from(UNBROKEN))).into()
 }
 
 /// The break strains of the film of a scenario along MD and TD over those of its curves.
@@ -231,7 +220,7 @@ fn break_strains(study: &Study) -> [f64; 2] {
 
 impl Outcomes {
     /// The same outcomes with other scenarios, whose film does not break either.
-    pub(super) fn with(&self, changes: Map, session: &Session) -> HostResult<Outcomes> {
+    pub(super) fn with(&self, changes: Changes, session: &Session) -> HostResult<Outcomes> {
         Ok(Outcomes { study: self.study.with(changes, session)?, ..self.clone() })
     }
 
@@ -269,7 +258,7 @@ impl Outcomes {
     /// little below and above.
     pub(super) fn run(
         &self,
-        changes: Map,
+        changes: Changes,
         has_signals: bool,
         session: &Session,
     ) -> HostResult<(Option<Run>, Vec<f64>)> {
@@ -291,8 +280,8 @@ impl Outcomes {
                 }
                 Outcome::FailureMass { mass, .. } => {
                     for factor in MASSES {
-                        let changes = [("impactor.mass".into(), Dynamic::from(factor * mass))].into_iter().collect();
-                        let study = study.with(changes, session)?;
+                        let heavier = Changes::from([("impactor.mass".to_owned(), Value::from(factor * mass))]);
+                        let study = study.with(heavier, session)?;
                         found.extend(History::new(&study.simulate(session)?, &study)?.demands(f64::INFINITY));
                     }
                 }

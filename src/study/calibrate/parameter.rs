@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Map};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::file;
 use super::outcome::BREAK_FACTORS;
-use crate::script::{HostResult, Options, from_json, number, numbers, refuse, to_json};
+use crate::scenario_functions::Changes;
+use crate::script::{HostResult, Options, number, numbers, refuse, refuse_within, texts, to_json, window};
 use lab::experiment::coupon::Curve;
 use uncertainty::distribution::Distribution;
 use uncertainty::normal;
@@ -85,52 +86,51 @@ pub(super) struct Unknown {
     pub(super) test: Option<usize>,
 }
 
+/// Reads the parameter of this name, or those that the points of a curve are.
+pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
+    let is_curve = given.read_lock::<Map>().is_some_and(|map| map.contains_key("curve"));
+    let found = if is_curve { read_curve(name, given) } else { Parameter::read(name, given).map(|own| vec![own]) };
+    found.map_err(|error| refuse_within(&format!("parameter `{name}`"), error))
+}
+
 impl Parameter {
     /// Reads `#{ key, start, within, log, prior, tests, scatter }`.
-    pub(super) fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
-        let of_parameter = |text: String| refuse!("parameter `{name}`: {text}");
+    fn read(name: &str, given: &Dynamic) -> HostResult<Parameter> {
         let map = given.read_lock::<Map>();
-        let map =
-            map.ok_or_else(|| of_parameter(format!("expected a map with `key`, `start` and `within`, found {given}")))?;
+        let map = map.ok_or_else(|| refuse!("expected a map with `key`, `start` and `within`, found {given}"))?;
         let options = Options::new("a parameter of calibrate", &map, &file::parameter_options())?;
-        let keys = keys(options.value("key")?).map_err(of_parameter)?;
+        let keys = keys(options.value("key")?)?;
         if keys.is_empty() {
-            return Err(of_parameter("`key` names no key".into()));
+            return Err(refuse("`key` names no key"));
         }
-        let (start, unit) = quantity(options.value("start")?).map_err(of_parameter)?;
+        let (start, unit) = quantity(options.value("start")?)?;
         let ends = options.value("within")?.read_lock::<Array>().map(|list| list.clone());
         let ends = ends.filter(|list| list.len() == 2);
-        let ends =
-            ends.ok_or_else(|| of_parameter("`within` must be an array of two values, such as [0.2, 10]".into()))?;
+        let ends = ends.ok_or_else(|| refuse("`within` must be an array of two values, such as [0.2, 10]"))?;
         let mut within = [0.0; 2];
         for (end, value) in within.iter_mut().zip(&ends) {
-            let (found, own) = quantity(value).map_err(of_parameter)?;
+            let (found, own) = quantity(value)?;
             if own != unit {
-                let shown = |unit: &Option<String>| unit.as_deref().unwrap_or("none").to_owned();
-                let (own, unit) = (shown(&own), shown(&unit));
-                return Err(of_parameter(format!(
-                    "`within` has the unit {own} and `start` {unit}: give them one unit"
-                )));
+                let [own, unit] = [&own, &unit].map(|unit| unit.as_deref().unwrap_or("none"));
+                return Err(refuse!("`within` has the unit {own} and `start` {unit}: give them one unit"));
             }
             *end = found;
         }
         let [low, high] = within;
         if !(low < high && (low..=high).contains(&start)) {
-            return Err(of_parameter(format!("`start` {start} does not lie within [{low}, {high}]")));
+            return Err(refuse!("`start` {start} does not lie within [{low}, {high}]"));
         }
-        let role = role(&keys).map_err(of_parameter)?;
+        let role = role(&keys)?;
         // Break strains scatter along their logarithm.
         let is_logarithmic = options.boolean("log", false)? || role != Role::Key;
         if is_logarithmic && low <= 0.0 {
-            return Err(of_parameter(format!("`log` needs `within` above zero, which begins at {low}")));
+            return Err(refuse!("`log` needs `within` above zero, which begins at {low}"));
         }
-        let prior = map.get("prior").map(|given| prior(given).map_err(of_parameter)).transpose()?;
-        let tests = map.get("tests").map(|given| texts(given, "tests").map_err(of_parameter)).transpose()?;
-        let tests = tests.unwrap_or_default();
-        let scatter = map.get("scatter").map(|given| scatter(given).map_err(of_parameter)).transpose()?;
+        let prior = map.get("prior").map(prior).transpose()?;
+        let tests = options.texts("tests")?;
+        let scatter = map.get("scatter").map(scatter).transpose()?;
         if scatter.is_some() && role == Role::Key {
-            let text = format!("`scatter` is of break strains: {}", BREAK_FACTORS.join(", "));
-            return Err(of_parameter(text));
+            return Err(refuse!("`scatter` is of break strains: {}", BREAK_FACTORS.join(", ")));
         }
         let name = name.into();
         Ok(Parameter { name, keys, unit, start, within, is_logarithmic, prior, tests, point: None, role, scatter })
@@ -170,12 +170,14 @@ impl Parameter {
     }
 
     /// The changes of a scenario with this value.
-    pub(super) fn changes(&self, value: f64) -> impl Iterator<Item = (rhai::Identifier, Dynamic)> {
+    pub(super) fn changes(&self, value: f64) -> impl Iterator<Item = (String, Value)> {
         let written = match &self.unit {
             Some(unit) => Value::from(format!("{value} {unit}")),
-            None => Value::from(value),
+            None if value.is_finite() => Value::from(value),
+            // JSON has no such number, and null would leave the key out: a scenario refuses the text.
+            None => Value::from(value.to_string()),
         };
-        self.keys.iter().map(move |key| (key.name.as_str().into(), from_json(&filled(&key.form, &written))))
+        self.keys.iter().map(move |key| (key.name.clone(), filled(&key.form, &written)))
     }
 
     /// The coordinate of a value, along which its uncertainty is: the value or its logarithm.
@@ -237,15 +239,15 @@ impl Parameter {
 const PLACE: &str = "{}";
 
 /// The option `key`: a key, a list of keys that have the value, or a map of keys and what is written there.
-fn keys(given: &Dynamic) -> Result<Vec<Key>, String> {
+fn keys(given: &Dynamic) -> HostResult<Vec<Key>> {
     let Some(map) = given.read_lock::<Map>() else {
         let own = texts(given, "key")?.into_iter();
         return Ok(own.map(|name| Key { name, form: Value::from(PLACE) }).collect());
     };
     let key = |(name, form): (&rhai::Identifier, &Dynamic)| {
-        let form = to_json(form).map_err(|error| format!("`{name}` of `key`: {error}"))?;
+        let form = to_json(form).map_err(|error| refuse!("`{name}` of `key`: {error}"))?;
         if !form.to_string().contains(PLACE) {
-            return Err(format!("`{name}` of `key` has no `{PLACE}`, which stands for the value of the parameter"));
+            return Err(refuse!("`{name}` of `key` has no `{PLACE}`, which stands for the value of the parameter"));
         }
         Ok(Key { name: name.to_string(), form })
     };
@@ -267,56 +269,42 @@ fn filled(form: &Value, written: &Value) -> Value {
 }
 
 /// What a parameter with these keys acts on.
-fn role(keys: &[Key]) -> Result<Role, String> {
+fn role(keys: &[Key]) -> HostResult<Role> {
     let along = BREAK_FACTORS.map(|key| keys.iter().any(|own| own.name == key && own.form == PLACE));
     match (along.contains(&true), keys.iter().all(|key| BREAK_FACTORS.contains(&key.name.as_str()))) {
         (false, _) => Ok(Role::Key),
         (true, true) => Ok(Role::Break(along)),
-        (true, false) => Err("break strains cannot be tied to other keys".into()),
+        (true, false) => Err(refuse("break strains cannot be tied to other keys")),
     }
 }
 
 /// The option `scatter`: a number, or the ends between which it is estimated.
-fn scatter(given: &Dynamic) -> Result<[f64; 2], String> {
-    let wrong =
-        || format!("`scatter` is a relative deviation such as 0.1, or [0.02, 0.5] where it is estimated, not {given}");
-    let of = |value: &Dynamic| number(value, "scatter").map_err(|_| wrong());
-    let ends = match given.read_lock::<Array>() {
-        Some(list) if list.len() == 2 => [of(&list[0])?, of(&list[1])?],
-        Some(_) => return Err(wrong()),
-        None => [of(given)?; 2],
-    };
-    if 0.0 < ends[0] && ends[0] <= ends[1] && ends[1] <= 2.0 { Ok(ends) } else { Err(wrong()) }
+fn scatter(given: &Dynamic) -> HostResult<[f64; 2]> {
+    let ends = if given.is_array() { window(given) } else { number(given, "scatter").map(|own| [own; 2]) };
+    let ends = ends.ok().filter(|[low, high]| 0.0 < *low && low <= high && *high <= 2.0);
+    ends.ok_or_else(|| {
+        refuse!("`scatter` is a relative deviation such as 0.1, or [0.02, 0.5] where it is estimated, not {given}")
+    })
 }
 
 /// A number, or a text of a number and its unit.
-fn quantity(given: &Dynamic) -> Result<(f64, Option<String>), String> {
-    if let Ok(text) = given.clone().into_string() {
-        let (number, unit) = text.trim().split_once(' ').ok_or(format!("`{text}` has no unit after a space"))?;
-        let number: f64 = number.parse().map_err(|_| format!("`{text}` begins with no number"))?;
-        return finite(number).map(|number| (number, Some(unit.trim().to_owned())));
-    }
-    finite(number(given, "a value").map_err(|error| error.to_string())?).map(|number| (number, None))
-}
-
-fn finite(number: f64) -> Result<f64, String> {
-    if number.is_finite() { Ok(number) } else { Err(format!("{number} is not finite")) }
-}
-
-/// A text, or a list of texts.
-pub(super) fn texts(given: &Dynamic, what: &str) -> Result<Vec<String>, String> {
-    let wrong = |found: &Dynamic| format!("`{what}` must be a string or an array of strings, not {found}");
-    if let Some(list) = given.read_lock::<Array>() {
-        return list.iter().map(|item| item.clone().into_string().map_err(|_| wrong(item))).collect();
-    }
-    given.clone().into_string().map(|text| vec![text]).map_err(|_| wrong(given))
+fn quantity(given: &Dynamic) -> HostResult<(f64, Option<String>)> {
+    let (found, unit) = match given.clone().into_string() {
+        Ok(text) => {
+            let parts = text.trim().split_once(' ');
+            let (number, unit) = parts.ok_or_else(|| refuse!("`{text}` has no unit after a space"))?;
+            let number = number.parse::<f64>().map_err(|_| refuse!("`{text}` begins with no number"))?;
+            (number, Some(unit.trim().to_owned()))
+        }
+        Err(_) => (number(given, "a value")?, None),
+    };
+    if found.is_finite() { Ok((found, unit)) } else { Err(refuse!("{found} is not finite")) }
 }
 
 /// A distribution as `[variation]` writes it, in the unit of the values.
-fn prior(given: &Dynamic) -> Result<Distribution, String> {
-    let json = to_json(given).map_err(|error| error.to_string())?;
-    serde_json::from_value(json).map_err(|error| {
-        format!("`prior` is a distribution such as #{{ normal: #{{ mean: 1, deviation: 0.1 }} }}: {error}")
+fn prior(given: &Dynamic) -> HostResult<Distribution> {
+    serde_json::from_value(to_json(given)?).map_err(|error| {
+        refuse!("`prior` is a distribution such as #{{ normal: #{{ mean: 1, deviation: 0.1 }} }}: {error}")
     })
 }
 
@@ -333,42 +321,34 @@ const LEAST_RISE: f64 = 1e-3;
 /// Options of a curve that is a parameter.
 pub(super) const CURVE_OPTIONS: [&str; 5] = ["curve", "start", "strains", "end", "tests"];
 
-/// Whether a parameter of a script is a curve.
-pub(super) fn is_curve(given: &Dynamic) -> bool {
-    given.read_lock::<Map>().is_some_and(|map| map.contains_key("curve"))
-}
-
 /// Reads `#{ curve, start, strains, end, tests }`: a parameter a point.
-pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
-    let of_parameter = |text: String| refuse!("parameter `{name}`: {text}");
+fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Parameter>> {
     let map = given.read_lock::<Map>().map(|map| map.clone()).unwrap_or_default();
     let options = Options::new("a curve of calibrate", &map, &CURVE_OPTIONS)?;
     let key = options.value("curve")?.clone().into_string();
-    let key = key.map_err(|_| of_parameter("`curve` is the key of a curve of a fabric".into()))?;
+    let key = key.map_err(|_| refuse("`curve` is the key of a curve of a fabric"))?;
     let start = options.value("start")?.read_lock::<Curve>().map(|curve| curve.clone());
-    let start = start.ok_or_else(|| of_parameter("`start` is a curve, such as that of reduce_coupons".into()))?;
+    let start = start.ok_or_else(|| refuse("`start` is a curve, such as that of reduce_coupons"))?;
     let strains: Vec<f64> = match map.get("strains") {
         None => USUAL_SHARES.map(|share| share * start.range()[1]).into(),
         Some(given) => {
-            let list = given.clone().try_cast::<Array>();
-            numbers(&list.ok_or_else(|| of_parameter("`strains` must be an array of strains".into()))?, "a strain")?
+            let list = given.read_lock::<Array>();
+            numbers(&list.ok_or_else(|| refuse("`strains` must be an array of strains"))?, "a strain")?
         }
     };
     let ascends = strains.windows(2).all(|pair| pair[0] < pair[1]) && strains.first().is_some_and(|first| *first > 0.0);
     let last = strains.last().copied().filter(|last| ascends && *last <= start.range()[1] * (1.0 + 1e-9));
-    let last = last.ok_or_else(|| {
-        of_parameter(format!("`strains` ascend from above zero to the end of `start`, {}", start.range()[1]))
-    })?;
+    let last =
+        last.ok_or_else(|| refuse!("`strains` ascend from above zero to the end of `start`, {}", start.range()[1]))?;
     let until = options.number("end", last)?;
     if until < last {
-        return Err(of_parameter(format!("`end` is {until}, below the last strain {last}")));
+        return Err(refuse!("`end` is {until}, below the last strain {last}"));
     }
-    let tests = map.get("tests").map(|given| texts(given, "tests").map_err(of_parameter)).transpose()?;
-    let tests = tests.unwrap_or_default();
+    let tests = options.texts("tests")?;
     let stress = |strain: f64| start.continued(strain.min(start.range()[1])).unwrap_or(0.0) / PASCALS;
     let most = strains.iter().map(|strain| stress(*strain)).fold(0.0, f64::max);
     if most <= 0.0 {
-        return Err(of_parameter("`start` carries no stress".into()));
+        return Err(refuse("`start` carries no stress"));
     }
     let strains: Arc<[f64]> = strains.into();
     let point = |place: usize| {
@@ -388,8 +368,8 @@ pub(super) fn read_curve(name: &str, given: &Dynamic) -> HostResult<Vec<Paramete
 }
 
 /// The changes of a scenario with these values.
-pub(super) fn changes<'a>(values: impl Iterator<Item = (&'a Parameter, f64)>) -> Map {
-    let mut changes = Map::new();
+pub(super) fn changes<'a>(values: impl Iterator<Item = (&'a Parameter, f64)>) -> Changes {
+    let mut changes = Changes::new();
     let mut curves: Vec<(&CurvePoint, Vec<f64>)> = Vec::new();
     for (parameter, value) in values {
         changes.extend(parameter.changes(value));
@@ -413,9 +393,7 @@ pub(super) fn changes<'a>(values: impl Iterator<Item = (&'a Parameter, f64)>) ->
             points.push([point.until, to[1] + slope * (point.until - to[0])]);
         }
         // A curve begins at the origin without being told.
-        let listed = points[1..].iter().map(|point| Dynamic::from(point.map(Dynamic::from).to_vec()));
-        let curve = Map::from([("curve".into(), Dynamic::from(listed.collect::<Array>()))]);
-        changes.insert(point.key.as_str().into(), curve.into());
+        changes.insert(point.key.clone(), json!({ "curve": points[1..] }));
     }
     changes
 }
@@ -426,7 +404,7 @@ mod tests {
     use crate::script::cause;
 
     fn read(text: &str) -> HostResult<Parameter> {
-        Parameter::read("p", &rhai::Engine::new_raw().eval::<Dynamic>(text).unwrap())
+        super::read("p", &rhai::Engine::new_raw().eval::<Dynamic>(text).unwrap()).map(|mut found| found.remove(0))
     }
 
     /// What a parameter writes.
@@ -442,11 +420,11 @@ mod tests {
         )
         .unwrap();
         let expected =
-            [r#"layers.faces = ["0 mm", "-410.5 mm"]"#, r#"specimen.shape.rectangle = ["410.5 mm", "410.5 mm"]"#];
+            [r#"layers.faces = ["0 mm","-410.5 mm"]"#, r#"specimen.shape.rectangle = ["410.5 mm","410.5 mm"]"#];
         assert_eq!(changes(&found, 410.5), expected);
         let found =
             read(r##"#{ key: #{ "layers.prestrain": #{ md: "{}", td: 0 } }, start: 1, within: [0, 2] }"##).unwrap();
-        assert_eq!(changes(&found, 0.5), [r##"layers.prestrain = #{"md": 0.5, "td": 0}"##]);
+        assert_eq!(changes(&found, 0.5), [r#"layers.prestrain = {"md":0.5,"td":0}"#]);
     }
 
     #[test]
@@ -454,7 +432,7 @@ mod tests {
         let found =
             read(r#"#{ key: "specimen.material.thickness", start: "12 um", within: ["10 um", "15 um"] }"#).unwrap();
         assert_eq!((found.start, found.within, found.unit.as_deref()), (12.0, [10.0, 15.0], Some("um")));
-        assert_eq!(changes(&found, 12.5), ["specimen.material.thickness = 12.5 um"]);
+        assert_eq!(changes(&found, 12.5), [r#"specimen.material.thickness = "12.5 um""#]);
         let found = read(r#"#{ key: ["a", "b"], start: 1, within: [0.1, 10], log: true }"#).unwrap();
         assert_eq!(changes(&found, 2.0), ["a = 2.0", "b = 2.0"]);
         assert!((found.value(found.coordinate(3.0)) - 3.0).abs() < 1e-12);
@@ -527,7 +505,7 @@ mod tests {
         let changes = super::changes(parameters.iter().map(|own| (own, own.start)));
         let written = changes["fabric.md"].to_string();
         // The last slope goes on to `end`.
-        for part in ["[0.1, 4000000.0]", "[0.2, 6000000.0]", "[0.4, 10000000.0]", "[0.5, 12000000.0]"] {
+        for part in ["[0.1,4000000.0]", "[0.2,6000000.0]", "[0.4,10000000.0]", "[0.5,12000000.0]"] {
             assert!(written.contains(part), "{part} in {written}");
         }
         assert_eq!(read_curve("md", &given(&[])).unwrap().len(), USUAL_SHARES.len());
@@ -542,7 +520,7 @@ mod tests {
             (vec![("start", Dynamic::from(1.0))], "`start` is a curve"),
             (vec![("within", Dynamic::from(1.0))], "has no option `within`"),
         ] {
-            let error = cause(&read_curve("md", &given(&more)).unwrap_err());
+            let error = cause(&super::read("md", &given(&more)).unwrap_err());
             assert!(error.contains(expected), "{error}");
         }
     }

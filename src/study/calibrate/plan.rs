@@ -11,7 +11,7 @@ use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{self, Parameter, Role, Unknown};
 use super::test::{self, Signal, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
-use crate::scenario_functions::{Scenarios, Study};
+use crate::scenario_functions::{Changes, Scenarios, Study, changes_of};
 use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
 use base::units::Time;
 use uncertainty::design::{self, Levels};
@@ -101,7 +101,7 @@ impl Plan {
         let options = Options::new("calibrate", given, &file::options())?;
         let (discrepancy, correlation) =
             discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
-        let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise).map_err(refuse)?;
+        let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise)?;
         let tolerances = Tolerances { noise, correlation };
         let tests = tests(&options, scenarios, tolerances, session)?;
         let parameters = parameters(&options, &tests)?;
@@ -112,9 +112,9 @@ impl Plan {
             let text = format!("`precision` must be a relative half width above zero, such as 0.2, not {precision}");
             return Err(refuse_key("precision", &text, None));
         }
-        let keeps_ruptured = word(given, "on_rupture", [("fail", false), ("keep", true)], "\"fail\" or \"keep\"")?;
-        let known = "\"corrected\", or \"exact\" of virtual recordings on the same elements";
-        let elements = word(given, "mesh", [("corrected", Elements::Corrected), ("exact", Elements::Exact)], known)?;
+        let keeps_ruptured = options.word("on_rupture", &[("fail", false), ("keep", true)])?.unwrap_or(false);
+        let elements = [("corrected", Elements::Corrected), ("exact", Elements::Exact)];
+        let elements = options.word("mesh", &elements)?.unwrap_or(Elements::Corrected);
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
             name,
@@ -299,7 +299,7 @@ impl Plan {
     }
 
     /// The changes of the scenario of a test with these values.
-    pub(super) fn changes(&self, test: usize, values: &[f64]) -> Map {
+    pub(super) fn changes(&self, test: usize, values: &[f64]) -> Changes {
         let acting = self.acting_on(test).into_iter();
         parameter::changes(acting.map(|index| (self.parameter_at(index), values[index])))
     }
@@ -328,7 +328,7 @@ impl Plan {
 
     /// The changes of the scenario of a test with these values, break strains included, which its runs do not depend on in a
     /// search.
-    pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Map {
+    pub(super) fn changes_with_breaks(&self, test: usize, values: &[f64]) -> Changes {
         let own = self.of_test(test).map(|index| (self.parameter_at(index), values[index]));
         parameter::changes(own)
     }
@@ -345,7 +345,7 @@ impl Plan {
     }
 
     /// The changes of a scenario that is no test: the shared unknowns of these parameters.
-    pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Map {
+    pub(super) fn shared_changes(&self, values: &[f64], taken: &[usize]) -> Changes {
         let is_shared = |unknown: &Unknown| unknown.test.is_none() && taken.contains(&unknown.parameter);
         let shared = self.unknowns.iter().zip(values).filter(|(unknown, _)| is_shared(unknown));
         parameter::changes(shared.map(|(unknown, value)| (self.parameter_of(unknown), *value)))
@@ -405,13 +405,6 @@ impl Plan {
     }
 }
 
-/// What the word of an option stands for, which has two words, the first of them usual; `known` lists them.
-fn word<T: Copy>(given: &Map, name: &str, words: [(&str, T); 2], known: &str) -> HostResult<T> {
-    let Some(own) = given.get(name).map(Dynamic::to_string) else { return Ok(words[0].1) };
-    let found = words.iter().find(|(word, _)| *word == own).map(|(_, value)| *value);
-    found.ok_or_else(|| refuse_key(name, &format!("`{name}` is {known}, not \"{own}\""), None))
-}
-
 /// The tests that are listed, each of another name.
 fn tests(
     options: &Options<'_>,
@@ -440,11 +433,9 @@ fn tests(
 fn parameters(options: &Options<'_>, tests: &[Test]) -> HostResult<Vec<Parameter>> {
     let map = options.value("parameters")?.clone().try_cast::<Map>().filter(|map| !map.is_empty());
     let map = map.ok_or_else(|| refuse("`parameters` of calibrate is a map of names and their `key`s"))?;
-    let read = |(name, given): (&rhai::Identifier, &Dynamic)| match parameter::is_curve(given) {
-        true => parameter::read_curve(name, given),
-        false => Parameter::read(name, given).map(|own| vec![own]),
+    let read = |(name, given): (&rhai::Identifier, &Dynamic)| {
+        parameter::read(name, given).map_err(|error| at_key(name, *error))
     };
-    let read = |(name, given)| read((name, given)).map_err(|error| at_key(name, *error));
     let mut parameters = map.iter().map(read).collect::<HostResult<Vec<_>>>()?.concat();
     if parameters.iter().any(|own| own.point.is_some()) && tests.iter().any(|own| own.outcomes.is_some()) {
         return Err(refuse("a curve that is a parameter ends where it breaks: it cannot stand beside outcomes"));
@@ -518,11 +509,11 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
     let wrong =
         || refuse("`stages` must be an array of changes, such as [#{ \"specimen.mesh.size\": \"40 mm\" }, #{}]");
     let list = given.clone().try_cast::<Array>().ok_or_else(wrong)?;
-    let maps = list.into_iter().map(|item| item.try_cast::<Map>().ok_or_else(wrong));
-    let maps = maps.collect::<HostResult<Vec<_>>>()?;
-    match maps.split_last() {
+    let of_stage = |item: Dynamic| changes_of(&item.try_cast::<Map>().ok_or_else(wrong)?);
+    let changes = list.into_iter().map(of_stage).collect::<HostResult<Vec<_>>>()?;
+    match changes.split_last() {
         Some((last, before)) if last.is_empty() => {
-            let of_test = |test: &Test, changes: &Map| {
+            let of_test = |test: &Test, changes: &Changes| {
                 let study = test.study.with(changes.clone(), session)?;
                 let outcomes = test.outcomes.as_ref().map(|own| own.with(changes.clone(), session)).transpose()?;
                 Ok(Stage { study, outcomes })
@@ -536,12 +527,7 @@ fn stages(given: Option<&Dynamic>, tests: &[Test], session: &Session) -> HostRes
 /// Method, tolerances and limits of the searches, and the starts of the first.
 fn search(options: &Options<'_>) -> HostResult<(Search, usize)> {
     let whole = |name: &str, usual: usize| options.whole(name, usual, 1..=100_000);
-    let method = options.map.get("method").map_or_else(|| "levenberg-marquardt".to_owned(), Dynamic::to_string);
-    let known = Method::NAMES.iter().find(|(name, _)| *name == method).map(|(_, own)| *own);
-    let method = known.ok_or_else(|| {
-        let names = Method::NAMES.map(|(name, _)| name).join(", ");
-        refuse_key("method", &format!("unknown method `{method}` (there are {names})"), None)
-    })?;
+    let method = options.word("method", &Method::NAMES)?.unwrap_or(Method::LevenbergMarquardt);
     // Several starts cost a search by differences little, and tell local minima.
     let starts = whole("starts", if method == Method::LevenbergMarquardt { 3 } else { 1 })?;
     let most = whole("max_evaluations", 800)?;

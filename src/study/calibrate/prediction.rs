@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::error_model::{ErrorModel, Noise, Recorded, Shape, Size, root_mean_square};
@@ -14,7 +13,7 @@ use super::test::found_column;
 use super::warning::Warning;
 use crate::post::{self, Run, is_known, is_result};
 use crate::scenario_functions::Study;
-use crate::script::{HostResult, Row, Session, cause, check_stop, object, refuse};
+use crate::script::{HostResult, Row, Session, cause, object, refuse, run_list};
 use base::diagnostic::did_you_mean;
 use lab::signal::Series;
 use plot::{Curve, Look, Plot};
@@ -69,9 +68,7 @@ impl Prediction {
         let plan = &*posterior.plan;
         let draws = posterior.draws(asked.samples, asked.seed);
         let drawn = Drawn::new(study, plan, session);
-        let all: Vec<(Result<Run, String>, Error)> =
-            draws.par_iter().map(|draw| (drawn.run(draw, session), draw.error)).collect();
-        check_stop(session)?;
+        let all = run_list(session, &draws, |draw| Ok((drawn.run(draw, session), draw.error)))?;
         let mut warnings = Vec::new();
         for unknown in plan.unknowns.iter().filter(|unknown| !drawn.takes(unknown)) {
             let (scenario, parameter, why) = (name.into(), unknown.name.clone(), drawn.why_without(unknown));
@@ -170,8 +167,6 @@ impl<'a> Drawn<'a> {
 
     /// A run with the shared unknowns of a draw, of a specimen with break strains of its own (equation 335).
     fn run(&self, draw: &Draw, session: &Session) -> Result<Run, String> {
-        // No run begins once the study is told to stop.
-        check_stop(session).map_err(|error| cause(&error))?;
         let values = self.plan.values(&draw.x);
         let mut changes = self.plan.shared_changes(&values, &self.taken);
         if let Ok(Some(breaks)) = &self.breaks {

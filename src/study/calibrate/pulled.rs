@@ -1,9 +1,9 @@
 //! Tests that are pulled and not run: a coupon as one element from equilibrium to equilibrium, stress over strain.
 
-use rhai::{Array, Dynamic, Map};
+use rhai::{Dynamic, Map};
 
 use crate::scenario_functions::{Study, across_named};
-use crate::script::{HostResult, number, refuse};
+use crate::script::{self, HostResult, refuse};
 use lab::experiment::coupon::Curve;
 use lab::signal::Series;
 use scene::model::Loading;
@@ -13,39 +13,33 @@ use scene::simulate::Across;
 const STEPS: usize = 120;
 
 /// The option `pull`: what holds the film across.
-pub(super) fn across(given: &Dynamic, study: &Study) -> Result<Across, String> {
+pub(super) fn across(given: &Dynamic, study: &Study) -> HostResult<Across> {
     // Coupons are pulled along one direction.
     let across = across_named(&given.to_string()).filter(|across| *across != Across::Equal);
-    let across = across.ok_or_else(|| format!("`pull` is \"strip\", \"free\" or \"held\", not \"{given}\""))?;
+    let across = across.ok_or_else(|| refuse!("`pull` is \"strip\", \"free\" or \"held\", not \"{given}\""))?;
     match study.model().loading {
         Loading::Stretch(_) => Ok(across),
-        _ => Err("only a scenario with [loading.stretch] can be pulled".into()),
+        _ => Err(refuse("only a scenario with [loading.stretch] can be pulled")),
     }
 }
 
 /// The recording of a pulled test, stress (Pa) over strain: a curve, or `#{ stress: signal }`.
-pub(super) fn recorded(given: &Dynamic) -> Result<Series, String> {
+pub(super) fn recorded(given: &Dynamic) -> HostResult<Series> {
     if let Some(curve) = given.read_lock::<Curve>() {
         return Ok(Series::new(curve.strain().to_vec(), curve.stress().to_vec()));
     }
     let map = given.read_lock::<Map>();
     let series =
         map.and_then(|map| map.get("stress").and_then(|value| value.read_lock::<Series>().map(|own| own.clone())));
-    series.ok_or_else(|| {
-        "a test that is pulled has curves as `recordings`, such as those of read_coupons and reduce_coupons".into()
-    })
+    let wrong = "a test that is pulled has curves as `recordings`, such as those of read_coupons and reduce_coupons";
+    series.ok_or_else(|| refuse(wrong))
 }
 
 /// The strains that are compared: the option `window`, or all of the recording.
-pub(super) fn window(given: Option<&Dynamic>) -> Result<[f64; 2], String> {
+pub(super) fn window(given: Option<&Dynamic>) -> HostResult<[f64; 2]> {
     let Some(given) = given else { return Ok([f64::NEG_INFINITY, f64::INFINITY]) };
-    let wrong = || "`window` of a test that is pulled is two strains, such as [0, 0.2]".to_owned();
-    let list = given.read_lock::<Array>().filter(|list| list.len() == 2).map(|list| list.clone()).ok_or_else(wrong)?;
-    let ends = [number(&list[0], "a strain"), number(&list[1], "a strain")];
-    match ends {
-        [Ok(from), Ok(to)] if from < to => Ok([from, to]),
-        _ => Err(wrong()),
-    }
+    let ends = script::window(given).ok().filter(|[from, to]| from < to);
+    ends.ok_or_else(|| refuse("`window` of a test that is pulled is two strains, such as [0, 0.2]"))
 }
 
 /// Stress over strain of the film of a scenario, up to a strain.
@@ -59,10 +53,10 @@ pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<S
 }
 
 /// The signals of a pull as a recording would have them, to the strain at which the scenario ends.
-pub(super) fn as_recorded(given: &Dynamic, study: &Study) -> Result<Map, String> {
+pub(super) fn as_recorded(given: &Dynamic, study: &Study) -> HostResult<Map> {
     let across = across(given, study)?;
-    let Loading::Stretch(stretch) = &study.model().loading else { return Err("nothing is pulled".into()) };
-    let series = simulated(study, across, stretch.until).map_err(|error| error.to_string())?;
+    let Loading::Stretch(stretch) = &study.model().loading else { return Err(refuse("nothing is pulled")) };
+    let series = simulated(study, across, stretch.until)?;
     Ok(Map::from([("stress".into(), Dynamic::from(series))]))
 }
 

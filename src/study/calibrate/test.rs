@@ -1,17 +1,18 @@
 //! The tests of a calibration: a scenario each, and the recordings that its signals are compared with.
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::{Array, Dynamic, Map};
 
 use super::distance::Distance;
 use nalgebra::{DVector, Matrix2};
 
 use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, Spectrum};
 use super::outcome::{self, Outcomes};
-use super::parameter::texts;
 use super::pulled;
 use crate::post::Run;
-use crate::scenario_functions::{Scenarios, Study};
-use crate::script::{Compared, HostResult, Options, Session, cause, number, refuse, refused_key};
+use crate::scenario_functions::{Scenarios, Study, changes_of};
+use crate::script::{
+    Compared, HostResult, Options, Session, cause, number, one_or_several, refuse, refuse_within, texts,
+};
 use base::units::{Dimension, Length, Time};
 use lab::signal::Series;
 use lab::signal::column::{self, COLUMNS, Column};
@@ -83,44 +84,49 @@ impl Test {
         let options = Options::new("a test of calibrate", &map, &super::file::options_at(super::file::TEST))?;
         let study = scenarios.changed(&options, "`set` of a test", session)?;
         let name = map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string);
-        let in_test = |text: String| refuse!("test `{name}`: {text}");
+        let place = format!("test `{name}`");
+        let test = Test::of_scenario(name, study, &options, tolerances, session);
+        test.map_err(|error| refuse_within(&place, error))
+    }
+
+    /// The test of a scenario with these options.
+    fn of_scenario(
+        name: String,
+        study: Study,
+        options: &Options<'_>,
+        tolerances: Tolerances,
+        session: &Session,
+    ) -> HostResult<Test> {
+        let Options { map, .. } = options;
         let weight = options.number("weight", 1.0)?;
         if !(weight > 0.0 && weight.is_finite()) {
-            return Err(in_test(format!("`weight` is {weight}, which must be above zero")));
+            return Err(refuse!("`weight` is {weight}, which must be above zero"));
         }
-        let outcomes = outcome::read(&map, &study, session).map_err(|error| in_test(cause(&error)))?;
-        check_together(&map, outcomes.as_ref()).map_err(in_test)?;
-        let own = map.get("own").map(|given| texts(given, "own").map_err(in_test)).transpose()?.unwrap_or_default();
-        let pull = map.get("pull").map(|given| pulled::across(given, &study).map_err(in_test)).transpose()?;
+        let outcomes = outcome::read(map, &study, session).map_err(|error| refuse(cause(&error)))?;
+        check_together(map, outcomes.as_ref())?;
+        let own = options.texts("own")?;
+        let pull = map.get("pull").map(|given| pulled::across(given, &study)).transpose()?;
         let shared_error = map.get("shared_error").map(Dynamic::to_string);
         let test =
             Test { name, study, own, weight, shared_error, of_signals: 1.0, signals: Vec::new(), outcomes, pull };
         if test.outcomes.is_some() && !map.contains_key("compare") {
             Ok(test)
         } else {
-            test.compared(&options, tolerances, session)
+            test.compared(options, tolerances, session)
         }
     }
 
     /// The test with the signals that are compared.
     fn compared(self, options: &Options<'_>, tolerances: Tolerances, session: &Session) -> HostResult<Test> {
         let Options { map, .. } = options;
-        let in_test = |text: String| refuse!("test `{}`: {text}", self.name);
-        let names = signals_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;
-        let columns = names.iter().map(|name| found_column(name).map_err(in_test)).collect::<HostResult<Vec<_>>>()?;
-        let over = abscissa_of(map, &self.study).map_err(|error| in_test(cause(&error)))?;
-        let tolerances = match map.get("noise") {
-            Some(given) => Tolerances { noise: noise(given).map_err(in_test)?, ..tolerances },
-            None => tolerances,
-        };
-        let distance = Distance::read(options).map_err(in_test)?;
-        let reading = Reading { over, window: map.get("window"), tolerances, distance, in_test: &in_test };
-        let recordings = match map.get("recordings") {
-            None => vec![Dynamic::UNIT],
-            Some(given) => given.read_lock::<Array>().map_or_else(|| vec![given.clone()], |list| list.clone()),
-        };
+        let columns = signals_of(map, &self.study)?;
+        let over = abscissa_of(map, &self.study)?;
+        let noise = map.get("noise").map_or(Ok(tolerances.noise), noise)?;
+        let tolerances = Tolerances { noise, ..tolerances };
+        let reading = Reading { over, window: map.get("window"), tolerances, distance: Distance::read(options)? };
+        let recordings = map.get("recordings").map_or_else(|| vec![Dynamic::UNIT], one_or_several);
         if recordings.is_empty() {
-            return Err(in_test("`recordings` is an empty array, as of a pattern that no file matches".into()));
+            return Err(refuse("`recordings` is an empty array, as of a pattern that no file matches"));
         }
         if self.pull.is_some() {
             let reading = Reading { over: Some(&column::STRAIN), ..reading };
@@ -176,7 +182,6 @@ struct Reading<'a> {
     window: Option<&'a Dynamic>,
     tolerances: Tolerances,
     distance: Distance,
-    in_test: &'a dyn Fn(String) -> Box<EvalAltResult>,
 }
 
 impl Reading<'_> {
@@ -188,13 +193,13 @@ impl Reading<'_> {
         columns: &[&'static Column],
         session: &Session,
     ) -> HostResult<(Study, f64, Vec<Recorded>)> {
-        let given = recording.read_lock::<Map>().map(|map| map.clone());
-        if let Some(map) = given {
-            return self.given(study, &map, columns);
-        }
         let is_impact = matches!(study.model().loading, Loading::Impact(_)) && self.over.is_none();
+        let of_scenario = |signals: Vec<Recorded>| (study.clone(), end_of(&signals), signals);
+        if let Some(map) = recording.read_lock::<Map>() {
+            return self.given(&map, is_impact, columns).map(of_scenario);
+        }
         if !is_impact {
-            return self.file(study, recording, columns, session);
+            return self.file(recording, columns, session).map(of_scenario);
         }
         let mut changes = Map::new();
         if !recording.is_unit() {
@@ -203,9 +208,9 @@ impl Reading<'_> {
         if let Some(window) = self.window {
             changes.insert("reference.window".into(), window.clone());
         }
-        let with = || if changes.is_empty() { Ok(study.clone()) } else { study.with(changes, session) };
-        let study = with().map_err(|error| self.in_its_test(error))?;
-        let comparison = study.comparison().map_err(|error| self.in_its_test(error))?.clone();
+        let with = || if changes.is_empty() { Ok(study.clone()) } else { study.with(changes_of(&changes)?, session) };
+        let study = with()?;
+        let comparison = study.comparison()?.clone();
         let class = study.model().output.filter;
         let signals = columns.iter().map(|column| {
             let series = match column.short {
@@ -215,7 +220,7 @@ impl Reading<'_> {
             };
             let Some((series, class)) = series else {
                 let known = "an impact is compared by `acceleration` and `displacement`";
-                return Err((self.in_test)(format!("its recording has no `{}`: {known}", column.short)));
+                return Err(refuse!("its recording has no `{}`: {known}", column.short));
             };
             let recorded = self.recorded(column, &series, comparison.window, class)?;
             let contact = Matrix2::from_fn(|row, column| comparison.contact[row][column]);
@@ -225,24 +230,18 @@ impl Reading<'_> {
         Ok((study, comparison.window[1], signals))
     }
 
-    /// The error of what does not know the test; a key of a map that is refused has a place of its own.
-    fn in_its_test(&self, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
-        if refused_key(&error).is_some() { error } else { (self.in_test)(cause(&error)) }
-    }
-
     /// Signals that the script gives, over time or over what is asked for.
-    fn given(&self, study: &Study, map: &Map, columns: &[&'static Column]) -> HostResult<(Study, f64, Vec<Recorded>)> {
+    fn given(&self, map: &Map, is_impact: bool, columns: &[&'static Column]) -> HostResult<Vec<Recorded>> {
         const ERRORS: [&str; 2] = ["contact_error", "speed_error"];
         let known: Vec<&str> = columns.iter().map(|column| column.short).chain(ERRORS).collect();
         Options { of: "a recording of signals", map }.check(&known)?;
-        let is_impact = matches!(study.model().loading, Loading::Impact(_)) && self.over.is_none();
         let error = |key: &str| {
             let Some(given) = map.get(key) else { return Ok(0.0) };
             let value = number(given, key)?;
             match is_impact && value > 0.0 && value.is_finite() {
                 true => Ok(value),
-                false if !is_impact => Err((self.in_test)(format!("`{key}` is of an impact over time"))),
-                false => Err((self.in_test)(format!("`{key}` is a standard deviation above zero, not {value}"))),
+                false if !is_impact => Err(refuse!("`{key}` is of an impact over time")),
+                false => Err(refuse!("`{key}` is a standard deviation above zero, not {value}")),
             }
         };
         let [of_time, of_speed] = [error(ERRORS[0])?, error(ERRORS[1])?];
@@ -250,36 +249,26 @@ impl Reading<'_> {
         let signals = columns.iter().map(|column| {
             let series =
                 map.get(column.short).and_then(|value| value.read_lock::<Series>().map(|series| series.clone()));
-            let missing = || (self.in_test)(format!("a recording of signals has no `{}`", column.short));
-            let series = series.ok_or_else(missing)?;
+            let series = series.ok_or_else(|| refuse!("a recording of signals has no `{}`", column.short))?;
             let window = self.window(&series)?;
             Ok(self.recorded(column, &series, window, None)?.with_contact(contact, columns.len()))
         });
-        let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        Ok((study.clone(), end_of(&signals), signals))
+        signals.collect()
     }
 
     /// Signals of a file with the columns of `signals.csv`, over time or over another of its columns.
-    fn file(
-        &self,
-        study: &Study,
-        recording: &Dynamic,
-        columns: &[&'static Column],
-        session: &Session,
-    ) -> HostResult<(Study, f64, Vec<Recorded>)> {
+    fn file(&self, recording: &Dynamic, columns: &[&'static Column], session: &Session) -> HostResult<Vec<Recorded>> {
         let path = recording.clone().into_string();
-        let path = path.map_err(|_| (self.in_test)("name its `recordings`: one file or an array of files".into()))?;
+        let path = path.map_err(|_| refuse("name its `recordings`: one file or an array of files"))?;
         let path = std::path::Path::new(&path);
-        let measurement =
-            file::read(path, &ReadOptions::default()).map_err(|error| (self.in_test)(error.to_string()))?;
+        let measurement = file::read(path, &ReadOptions::default()).map_err(refuse)?;
         session.add_recording(path, measurement.annotations.is_virtual());
         let channel = |column: &Column| {
             let found = [column.name, column.short].iter().find_map(|name| measurement.channel(name).ok());
             let known =
                 || measurement.channels.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(", ");
-            found.map(|channel| channel.series.clone()).ok_or_else(|| {
-                (self.in_test)(format!("{} has no `{}`; it has {}", path.display(), column.name, known()))
-            })
+            let missing = || refuse!("{} has no `{}`; it has {}", path.display(), column.name, known());
+            found.map(|channel| channel.series.clone()).ok_or_else(missing)
         };
         let signals = columns.iter().map(|column| {
             let series = match self.over {
@@ -289,15 +278,12 @@ impl Reading<'_> {
             let window = self.window(&series)?;
             self.recorded(column, &series, window, None)
         });
-        let signals = signals.collect::<HostResult<Vec<_>>>()?;
-        Ok((study.clone(), end_of(&signals), signals))
+        signals.collect()
     }
 
     /// Stress over strain of a coupon.
     fn pulled(&self, recording: &Dynamic) -> HostResult<Recorded> {
-        let series = pulled::recorded(recording).map_err(self.in_test)?;
-        let window = pulled::window(self.window).map_err(self.in_test)?;
-        self.recorded(&column::STRESS, &series, window, None)
+        self.recorded(&column::STRESS, &pulled::recorded(recording)?, pulled::window(self.window)?, None)
     }
 
     /// The window that the options give, or all of the signal.
@@ -307,21 +293,20 @@ impl Reading<'_> {
         if given.clone().into_string().is_ok_and(|text| text == "all") {
             return Ok(all);
         }
-        let wrong =
-            || (self.in_test)("`window` is [from, to] or \"all\" where there is no loading phase of an impact".into());
+        let wrong = || refuse("`window` is [from, to] or \"all\" where there is no loading phase of an impact");
         let list =
             given.read_lock::<Array>().filter(|list| list.len() == 2).map(|list| list.clone()).ok_or_else(wrong)?;
         let dimension: Dimension = if self.over.is_none() { Time::DIMENSION } else { Length::DIMENSION };
         let end = |value: &Dynamic| match value.clone().into_string() {
-            Ok(text) => dimension.parse(&text).map_err(|error| (self.in_test)(error.to_string())),
-            Err(_) => number(value, "an end of the window").map_err(|error| self.in_its_test(error)),
+            Ok(text) => dimension.parse(&text).map_err(refuse),
+            Err(_) => number(value, "an end of the window"),
         };
         let window = [end(&list[0])?, end(&list[1])?];
         if window[0] < window[1] && !series.is_empty() { Ok(window) } else { Err(wrong()) }
     }
 
     fn recorded(&self, column: &Column, series: &Series, window: [f64; 2], class: Option<f64>) -> HostResult<Recorded> {
-        Recorded::new(series, window, class).map_err(|error| self.of_column(column, &error))
+        Recorded::new(series, window, class).map_err(|error| refuse!("{}: {error}", column.short))
     }
 
     /// A signal with all of its recordings.
@@ -329,13 +314,9 @@ impl Reading<'_> {
         let length =
             self.tolerances.correlation.filter(|own| self.over.is_none() || matches!(own, Correlation::Share(_)));
         let errors = ErrorModel::new(&recorded, self.tolerances.noise, Shape::all(length)[0]);
-        let errors = errors.map_err(|error| self.of_column(column, &error))?;
+        let errors = errors.map_err(|error| refuse!("{}: {error}", column.short))?;
         let recordings = recorded.into_iter().map(|own| own.series).collect();
         Ok(Signal { name: column.short, column, over: self.over, recordings, errors, distance: self.distance })
-    }
-
-    fn of_column(&self, column: &Column, error: &str) -> Box<EvalAltResult> {
-        (self.in_test)(format!("{}: {error}", column.short))
     }
 }
 
@@ -466,15 +447,17 @@ fn later(simulated: &Series, by: f64, is_travel: bool) -> Series {
 }
 
 /// Refuses options of a test that do not go together.
-fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> {
+fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> HostResult<()> {
     let is_compared = map.contains_key("compare");
     if outcomes.is_some_and(Outcomes::all_broke) && is_compared {
-        return Err("its film broke, and signals beside outcomes are those of film that holds: compare them in a test of their own, \
-                    with `on_rupture: \"keep\"` or a `window` that ends before"
-            .into());
+        return Err(refuse(
+            "its film broke, and signals beside outcomes are those of film that holds: compare them in a test of their own, with \
+            `on_rupture: \"keep\"` or a `window` that ends before",
+        ));
     }
     if map.contains_key("noise") && map.get("distance").is_some_and(|given| given.to_string() != "residuals") {
-        return Err("`noise` has no effect here: it is of the distance \"residuals\", others have an `error`".into());
+        let why = "it is of the distance \"residuals\", others have an `error`";
+        return Err(refuse!("`noise` has no effect here: {why}"));
     }
     let inert: &[&str] = match (outcomes, map.contains_key("pull")) {
         (Some(_), _) if !is_compared => &["recordings", "window", "over", "noise", "distance", "error", "pull"],
@@ -486,7 +469,7 @@ fn check_together(map: &Map, outcomes: Option<&Outcomes>) -> Result<(), String> 
         true => "with `pull` stress is compared over strain",
         false => "beside an outcome, signals count where `compare` names them",
     };
-    Err(format!("`{key}` has no effect here: {why}"))
+    Err(refuse!("`{key}` has no effect here: {why}"))
 }
 
 /// `values` over another signal, where that exceeds all before.
@@ -504,13 +487,10 @@ fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
     Series::new(places, found)
 }
 
-/// The signals that a test is compared by, by their names in scripts.
-fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static str>> {
-    let names = match map.get("compare") {
-        Some(given) => texts(given, "compare").map_err(refuse)?,
-        None => vec![usual_signal(study).to_owned()],
-    };
-    names.iter().map(|name| Ok(found_column(name).map_err(refuse)?.short)).collect()
+/// The signals that a test is compared by.
+fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static Column>> {
+    let Some(given) = map.get("compare") else { return Ok(vec![usual_signal(study)]) };
+    texts(given, "compare")?.iter().map(|name| found_column(name).map_err(refuse)).collect()
 }
 
 /// What a test is compared over; none for time.
@@ -527,8 +507,8 @@ pub(super) fn as_recorded(map: &Map, study: &Study, run: &Run) -> HostResult<Map
     /// Share of the travel that counts: with other parameters, film may break a little earlier.
     const BEFORE_BREAK: f64 = 0.9;
     let over = abscissa_of(map, study)?;
-    let recorded = |name: &'static str| {
-        let values = run.channel(name)?;
+    let recorded = |column: &'static Column| {
+        let values = run.channel(column.short)?;
         let series = match over {
             None => values,
             Some(over) => {
@@ -537,17 +517,17 @@ pub(super) fn as_recorded(map: &Map, study: &Study, run: &Run) -> HostResult<Map
                 all.window([0.0, BEFORE_BREAK * end])
             }
         };
-        Ok((name.into(), Dynamic::from(series)))
+        Ok((column.short.into(), Dynamic::from(series)))
     };
     signals_of(map, study)?.into_iter().map(recorded).collect()
 }
 
 /// The signal that a test of this loading is usually compared by.
-fn usual_signal(study: &Study) -> &'static str {
+fn usual_signal(study: &Study) -> &'static Column {
     match &study.model().loading {
-        Loading::Impact(_) => column::ACCELERATION_FILTERED.short,
-        Loading::Stretch(_) | Loading::Indent(_) => column::FORCE.short,
-        _ => column::PRESSURE.short,
+        Loading::Impact(_) => &column::ACCELERATION_FILTERED,
+        Loading::Stretch(_) | Loading::Indent(_) => &column::FORCE,
+        _ => &column::PRESSURE,
     }
 }
 
@@ -572,9 +552,9 @@ pub(super) fn found_column(name: &str) -> Result<&'static Column, String> {
 }
 
 /// The noise that an option gives.
-pub(super) fn noise(given: &Dynamic) -> Result<Noise, String> {
+pub(super) fn noise(given: &Dynamic) -> HostResult<Noise> {
     let shown = given.clone().into_string().map_or_else(|_| given.to_string(), |text| format!("\"{text}\""));
-    let wrong = || format!("`noise` is \"from the recordings\" or a share of the signal such as 0.01, not {shown}");
+    let wrong = || refuse!("`noise` is \"from the recordings\" or a share of the signal such as 0.01, not {shown}");
     if let Ok(text) = given.clone().into_string() {
         return if text == "from the recordings" { Ok(Noise::FromRecording) } else { Err(wrong()) };
     }

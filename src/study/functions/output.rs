@@ -160,7 +160,7 @@ impl Given {
             return Ok(Given { name: name.into(), look: Look::Line, shape: Shape::from_value(curve)? });
         };
         let options = Options::new("a curve of a plot", &map, &["name", "curve", "look"])?;
-        let look = map.get("look").map_or(Ok(Look::Line), look)?;
+        let look = options.word("look", &LOOKS)?.unwrap_or(Look::Line);
         Ok(Given { name: name.into(), look, shape: Shape::from_value(options.value("curve")?)? })
     }
 
@@ -172,12 +172,6 @@ impl Given {
         };
         Curve { name: self.name.clone(), points, look: self.look }
     }
-}
-
-fn look(value: &Dynamic) -> HostResult<Look> {
-    let text = value.to_string();
-    let found = LOOKS.iter().find(|(name, _)| *name == text).map(|(_, look)| *look);
-    found.ok_or_else(|| refuse!("unknown look `{text}` (there are line, dashed, points)"))
 }
 
 impl Shape {

@@ -5,6 +5,7 @@ use super::method::{SearchContext, Tally, Trials, cma_es, falls_beyond, levenber
 use super::objective::{Evaluation, SearchError, refused};
 use super::options::{Method, Point, Search, Starts};
 use super::warning::Warning;
+use serde::Serialize;
 use uncertainty::design::{self, Levels};
 
 /// Minimizes the objective of `evaluator` from all starts of `search`; `observer` is called after each iteration.
@@ -163,8 +164,8 @@ pub struct Iteration {
     pub step: &'static str,
 }
 
-/// The result of one start.
-#[derive(Clone, Debug, PartialEq)]
+/// The result of one start, as scripts have it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StartResult {
     /// The best point.
     pub x: Vec<f64>,
@@ -179,8 +180,10 @@ pub struct StartResult {
     /// Why the search stopped, in words.
     pub reason: String,
     /// [`Iteration::size`] at the end.
+    #[serde(rename = "simplex_size")]
     pub size: Option<f64>,
     /// All iterations.
+    #[serde(skip)]
     pub history: Vec<Iteration>,
 }
 

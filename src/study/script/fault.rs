@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rhai::{
-    AST, ASTNode, Dynamic, Engine, EvalAltResult, Expr, FuncInfo, ImmutableString, ParseError, ParseErrorType, Position,
+    AST, ASTNode, Dynamic, Engine, EvalAltResult, Expr, FuncInfo, ImmutableString, ParseError, ParseErrorType,
+    Position, Variant,
 };
 use thiserror::Error;
 
@@ -231,6 +232,12 @@ pub fn at_key(key: &str, error: EvalAltResult) -> Box<EvalAltResult> {
     }
 }
 
+/// The refusal `error` of what belongs to `place`, such as a test, with which its message begins; that of a key of a map has a place of
+/// its own.
+pub fn refuse_within(place: &str, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
+    if refused_key(&error).is_some() { error } else { refuse!("{place}: {}", cause(&error)) }
+}
+
 impl KeyMistake {
     fn text(&self) -> String {
         let hint = self.hint.as_ref().map(|hint| format!(" ({hint})")).unwrap_or_default();
@@ -283,21 +290,20 @@ pub fn cause(error: &EvalAltResult) -> String {
     }
 }
 
-/// Registers the text operations on such a failure.
+/// Registers the text operations on what host functions throw.
 pub(super) fn register(engine: &mut Engine) {
+    register_text(engine, "mistake", KeyMistake::text);
+    register_text(engine, "numerical failure", |failure: &NumericalFailure| failure.0.to_string());
+}
+
+fn register_text<T: Variant + Clone>(engine: &mut Engine, name: &str, text: fn(&T) -> String) {
     engine
-        .register_type_with_name::<KeyMistake>("mistake")
-        .register_fn("to_string", |mistake: &mut KeyMistake| mistake.text())
-        .register_fn("to_debug", |mistake: &mut KeyMistake| mistake.text())
-        .register_fn("+", |text: ImmutableString, mistake: KeyMistake| text + mistake.text())
-        .register_fn("+", |mistake: KeyMistake, text: ImmutableString| mistake.text() + text.as_str())
-        .register_fn("contains", |mistake: &mut KeyMistake, text: &str| mistake.text().contains(text))
-        .register_type_with_name::<NumericalFailure>("numerical failure")
-        .register_fn("to_string", |failure: &mut NumericalFailure| failure.0.clone())
-        .register_fn("to_debug", |failure: &mut NumericalFailure| failure.0.clone())
-        .register_fn("+", |text: ImmutableString, failure: NumericalFailure| text + failure.0)
-        .register_fn("+", |failure: NumericalFailure, text: ImmutableString| failure.0 + text)
-        .register_fn("contains", |wrong: &mut NumericalFailure, text: &str| wrong.0.contains(text));
+        .register_type_with_name::<T>(name)
+        .register_fn("to_string", move |thrown: &mut T| text(thrown))
+        .register_fn("to_debug", move |thrown: &mut T| text(thrown))
+        .register_fn("+", move |before: ImmutableString, thrown: T| before + text(&thrown))
+        .register_fn("+", move |thrown: T, after: ImmutableString| text(&thrown) + after.as_str())
+        .register_fn("contains", move |thrown: &mut T, part: &str| text(thrown).contains(part));
 }
 
 /// The result of a host function.

@@ -5,8 +5,10 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use rayon::prelude::*;
 use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
 
 use super::module::{Programs, ShippedModule};
@@ -256,6 +258,36 @@ pub(crate) fn check_stop(session: &Session) -> HostResult<()> {
         true => Err(EvalAltResult::ErrorTerminated(STOPPED.into(), Position::NONE).into()),
         false => Ok(()),
     }
+}
+
+/// What `take` gives of every place, in the order of the places; all threads take them in this `order`. After an error, or once the
+/// script is stopped, nothing more begins, and the error is that of the first place; a trial that has begun goes on to its end.
+pub(crate) fn run_all<T: Send>(
+    session: &Session,
+    order: &[usize],
+    take: impl Fn(usize) -> HostResult<T> + Sync,
+) -> HostResult<Vec<T>> {
+    let check = || if session.is_trial() { Ok(()) } else { check_stop(session) };
+    let is_over = AtomicBool::new(false);
+    let taken = |place: &usize| {
+        let found = (!is_over.load(Ordering::Relaxed)).then(|| check().and_then(|()| take(*place)))?;
+        is_over.fetch_or(found.is_err(), Ordering::Relaxed);
+        Some((*place, found))
+    };
+    let mut found: Vec<(usize, HostResult<T>)> = order.iter().par_bridge().filter_map(taken).collect();
+    found.sort_by_key(|(place, _)| *place);
+    let found = found.into_iter().map(|(_, found)| found).collect::<HostResult<Vec<T>>>()?;
+    // What was given up at the end is no result.
+    check().map(|()| found)
+}
+
+/// What `take` gives of every item of a list, which are taken from the first to the last.
+pub(crate) fn run_list<I: Sync, T: Send>(
+    session: &Session,
+    items: &[I],
+    take: impl Fn(&I) -> HostResult<T> + Sync,
+) -> HostResult<Vec<T>> {
+    run_all(session, &(0..items.len()).collect::<Vec<_>>(), |place| take(&items[place]))
 }
 
 /// Does `work`, which interprets a script; that `cancellation` stopped it, or a panic in it, is an error at `place`.

@@ -3,11 +3,11 @@
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 
-use rhai::{Array, Dynamic, Engine, ImmutableString, Map};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 use serde::Serialize;
 use serde_json::{Number, Value};
 
-use super::{HostResult, Row, refuse, refuse_key};
+use super::{HostResult, Row, at_key, refuse, refuse_key};
 use base::diagnostic::did_you_mean;
 use base::finding::Finding;
 use base::removed;
@@ -34,6 +34,36 @@ pub fn number(value: &Dynamic, what: &str) -> HostResult<f64> {
 /// One of them is no number.
 pub fn numbers(items: &[Dynamic], what: &str) -> HostResult<Vec<f64>> {
     items.iter().map(|item| number(item, what)).collect()
+}
+
+/// The items of a list, or the value itself.
+pub fn one_or_several(value: &Dynamic) -> Array {
+    value.read_lock::<Array>().map_or_else(|| vec![value.clone()], |list| list.clone())
+}
+
+/// A text, or a list of texts, which messages name `what`.
+///
+/// # Errors
+/// It is neither.
+pub fn texts(value: &Dynamic, what: &str) -> HostResult<Vec<String>> {
+    let wrong = |item: &Dynamic| refuse!("`{what}` must be a string or an array of strings, not {item}");
+    one_or_several(value).iter().map(|item| item.clone().into_string().map_err(|_| wrong(item))).collect()
+}
+
+/// The value of a word, which messages name `what`, among those that are `known`.
+///
+/// # Errors
+/// It is none of them.
+pub fn word<T: Copy>(what: &str, text: &str, known: &[(&'static str, T)]) -> HostResult<T> {
+    let found = known.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
+    found.ok_or_else(|| unknown(what, text, known.iter().map(|(name, _)| *name)))
+}
+
+/// The error for a word that is not among `known`, with the closest one as a hint.
+pub fn unknown<'k>(what: &str, text: &str, known: impl IntoIterator<Item = &'k str> + Clone) -> Box<EvalAltResult> {
+    let all = |known: Vec<&str>| format!("there are {}", known.join(", "));
+    let hint = did_you_mean(text, known.clone()).unwrap_or_else(|| all(known.into_iter().collect()));
+    refuse!("unknown {what} `{text}` ({hint})")
 }
 
 /// The numbers as a list.
@@ -211,6 +241,23 @@ impl<'a> Options<'a> {
             let [low, high] = [range.start(), range.end()];
             refuse_key(name, &format!("`{name}` must be a whole number from {low} to {high}, not {value}"), None)
         })
+    }
+
+    /// The texts `name`, one or several; none where it is not given.
+    ///
+    /// # Errors
+    /// It is neither a text nor a list of texts.
+    pub fn texts(&self, name: &str) -> HostResult<Vec<String>> {
+        self.map.get(name).map_or_else(|| Ok(Vec::new()), |value| texts(value, name))
+    }
+
+    /// The value of the word `name` among those that are `known`, where it is given.
+    ///
+    /// # Errors
+    /// It is none of them.
+    pub fn word<T: Copy>(&self, name: &str, known: &[(&'static str, T)]) -> HostResult<Option<T>> {
+        let given = self.map.get(name).map(Dynamic::to_string);
+        given.map(|text| word(name, &text, known).map_err(|error| at_key(name, *error))).transpose()
     }
 
     /// The quantity `name`: a number in the SI unit, or a text with its unit.

@@ -2,11 +2,11 @@
 
 use rhai::{Array, Dynamic, Engine, FnPtr, Map, NativeCallContext};
 
-use crate::identify::bindings::minimize::{self, ScriptSearch, unknown, unknown_option, word};
+use crate::identify::bindings::minimize::{self, ScriptSearch, unknown_option};
 use crate::identify::bindings::{SearchEvent, SearchHost, integer};
 use crate::identify::evaluator::linearize_at_start;
 use crate::identify::objective::refused;
-use crate::script::{HostResult, findings_map, list, number, refuse};
+use crate::script::{HostResult, findings_map, list, number, numbers, one_or_several, refuse, unknown, word};
 use base::finding::Finding;
 use lab::confidence::{Colour, Confidence, ConfidenceOptions, Misfit};
 use plot::Correlation;
@@ -93,10 +93,7 @@ fn misfits(value: &Dynamic) -> HostResult<Vec<Misfit>> {
             (None, None) => {
                 return Err(refuse!("`misfit` has no `{name}`, the norm of the error of the residuals"));
             }
-            (Some(value), _) => match value.read_lock::<Array>() {
-                Some(list) => list.iter().map(|item| number(item, name)).collect::<HostResult<Vec<f64>>>()?,
-                None => vec![number(value, name)?],
-            },
+            (Some(value), _) => numbers(&one_or_several(value), name)?,
         };
         match values.iter().find(|value| !(value.is_finite() && fits(**value))) {
             Some(found) => Err(refuse!("`{name}` of `misfit` is {found}, which must be {range}")),

@@ -7,8 +7,7 @@ use super::{SearchHost, integer};
 use crate::identify::convergence::{Labels, SignalLabel, thinned};
 use crate::identify::options::{Bounds, Method, Search, Starts};
 use crate::identify::search::{Iteration, SearchResult, StartResult};
-use crate::script::{self, HostResult, findings_map, number, numbers, refuse, thrown};
-use base::diagnostic::did_you_mean;
+use crate::script::{HostResult, findings_map, number, numbers, record, refuse, refuse_within, shown, unknown, word};
 use base::finding::Finding;
 use base::removed;
 
@@ -67,10 +66,7 @@ fn searches(method: &str, starts: &Array, options: &Dynamic, calls: Array) -> Ho
         None => vec![options.clone(); count],
     };
     let searches = starts.iter().zip(options).zip(calls).enumerate().map(|(number, ((start, options), call))| {
-        let of_search = |error: Box<EvalAltResult>| match &*error {
-            EvalAltResult::ErrorRuntime(value, _) => refuse!("search {}: {}", number + 1, thrown(value)),
-            _ => error,
-        };
+        let of_search = |error| refuse_within(&format!("search {}", number + 1), error);
         let start = start.read_lock::<Array>().ok_or_else(|| of_search(refuse("its start is a list of numbers")))?;
         let options = options.read_lock::<Map>().ok_or_else(|| of_search(refuse("its options are a map")))?;
         let call =
@@ -170,23 +166,6 @@ fn check_labels(names: &[String], labels: &Labels, signals: &[String]) -> HostRe
     if all.all(fits) { Ok(()) } else { Err(refuse(message())) }
 }
 
-/// The value of a word among `known`.
-pub(super) fn word<T: Copy>(what: &str, text: &str, known: &[(&'static str, T)]) -> HostResult<T> {
-    let found = known.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
-    found.ok_or_else(|| unknown(what, text, known.iter().map(|(name, _)| *name)))
-}
-
-/// The error for a word that is not among `known`, with the closest one as a hint.
-pub(super) fn unknown<'k>(
-    what: &str,
-    text: &str,
-    known: impl IntoIterator<Item = &'k str> + Clone,
-) -> Box<EvalAltResult> {
-    let all = |known: Vec<&str>| format!("there are {}", known.join(", "));
-    let hint = did_you_mean(text, known.clone()).unwrap_or_else(|| all(known.into_iter().collect()));
-    refuse!("unknown {what} `{text}` ({hint})")
-}
-
 /// The error for an option that `function` does not have.
 pub(super) fn unknown_option<'k>(
     function: &str,
@@ -244,27 +223,13 @@ fn history_values(searches: usize, starts: usize, unknowns: usize) -> Option<usi
 
 /// The result of a search over unknowns with these names, with so many values in its history.
 fn of_search(result: &SearchResult, names: &[String], values: usize) -> Map {
-    let mut map = of_start(&result.best);
     let history = history(&result.starts, names, values, result.starts.len() > 1);
-    map.insert("history".into(), history.into());
-    map.extend(findings_map(&result.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
-    let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
-    map.insert("starts".into(), starts.into());
     let total: usize = result.starts.iter().map(|start| start.evaluations).sum();
-    map.insert("total_evaluations".into(), integer(total));
+    let beside =
+        [("history", history.into()), ("starts", shown(&result.starts)), ("total_evaluations", integer(total))];
+    let mut map = record(&result.best, beside);
+    map.extend(findings_map(&result.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     map
-}
-
-fn of_start(result: &StartResult) -> Map {
-    Map::from([
-        ("x".into(), script::list(&result.x).into()),
-        ("f".into(), result.f.into()),
-        ("iterations".into(), integer(result.iterations)),
-        ("evaluations".into(), integer(result.evaluations)),
-        ("converged".into(), result.converged.into()),
-        ("reason".into(), result.reason.clone().into()),
-        ("simplex_size".into(), result.size.map_or(Dynamic::UNIT, Dynamic::from)),
-    ])
 }
 
 /// Iterations as rows of a table, thinned evenly to so many values.
