@@ -4,6 +4,7 @@
 //! contact, drift of the body (theory.md, section 4). Signals and snapshots are taken by an [`Observer`], which is
 //! shown a read-only [`View`].
 
+mod adjacency;
 mod clamp;
 mod collision;
 mod colouring;

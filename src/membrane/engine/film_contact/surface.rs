@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use crate::engine::adjacency::{Around, sorted_sides};
 use crate::engine::film::Film;
 use crate::engine::nodes::Vectors;
 
@@ -27,10 +28,7 @@ pub(super) struct Surface {
     pub(super) is_intact_edge: Vec<bool>,
     /// Triangles of each face.
     pub(super) faces: Vec<Range<u32>>,
-    /// Edges of each node, one after the other.
-    edges_at: Vec<u32>,
-    /// Where those of each node begin in `edges_at`.
-    first_edge: Vec<u32>,
+    edges_at: Around<u32>,
     /// Triangles of each element, counted from the first of its face.
     elements: Vec<Vec<Range<u32>>>,
 }
@@ -66,8 +64,7 @@ impl Surface {
             is_intact,
             is_intact_edge: vec![],
             faces,
-            edges_at: vec![],
-            first_edge: vec![],
+            edges_at: Around::new(0, vec![]),
             elements,
         };
         surface.connect(count);
@@ -76,32 +73,19 @@ impl Surface {
 
     /// Finds edges and neighbours of all triangles on `count` nodes.
     fn connect(&mut self, count: usize) {
-        let mut sides: Vec<([u32; 2], u32, usize)> = vec![];
-        for (triangle, corners) in self.corners.iter().enumerate() {
-            for k in 0..3 {
-                let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                sides.push(([a.min(b), a.max(b)], triangle as u32, k));
-            }
-        }
-        sides.sort_unstable();
-        for of_edge in sides.chunk_by(|one, other| one.0 == other.0) {
+        for of_edge in sorted_sides(&self.corners).chunk_by(|one, other| one.ends == other.ends) {
             let edge = self.edges.len() as u32;
-            self.edges.push(of_edge[0].0);
-            of_edge.iter().for_each(|(_, triangle, k)| self.edges_of[*triangle as usize][*k] = edge);
+            self.edges.push(of_edge[0].ends);
+            of_edge.iter().for_each(|side| self.edges_of[side.triangle as usize][side.corner] = edge);
             // Not across an edge of three faces, where there is no one neighbour: it counts as an outline.
-            if let [(_, one, k), (_, other, l)] = *of_edge {
-                self.across[one as usize][k] = other;
-                self.across[other as usize][l] = one;
+            if let [one, other] = *of_edge {
+                self.across[one.triangle as usize][one.corner] = other.triangle;
+                self.across[other.triangle as usize][other.corner] = one.triangle;
             }
         }
         self.is_intact_edge = vec![true; self.edges.len()];
-        let mut at: Vec<(u32, u32)> = vec![];
-        for (edge, nodes) in self.edges.iter().enumerate() {
-            at.extend(nodes.map(|node| (node, edge as u32)));
-        }
-        at.sort_unstable();
-        self.first_edge = (0..=count).map(|node| at.partition_point(|(n, _)| (*n as usize) < node) as u32).collect();
-        self.edges_at = at.into_iter().map(|(_, edge)| edge).collect();
+        let ends = self.edges.iter().zip(0..).flat_map(|(nodes, edge)| nodes.map(|node| (node, edge)));
+        self.edges_at = Around::new(count, ends.collect());
     }
 
     /// Removes the triangles of elements that were deleted since the last call. Returns whether there were any.
@@ -146,8 +130,7 @@ impl Surface {
 
     /// Edges of a node, also of elements that are deleted.
     pub(super) fn edges_at(&self, node: u32) -> &[u32] {
-        let [from, to] = [0, 1].map(|k| self.first_edge[node as usize + k] as usize);
-        &self.edges_at[from..to]
+        self.edges_at.at(node)
     }
 
     /// Whether a node belongs to an element that is not deleted.

@@ -2,6 +2,7 @@
 
 mod domain;
 
+use super::adjacency::Around;
 use super::element::{ElementGroup, MeanState, corners, place};
 use super::failure::smaller;
 use crate::material::Tear;
@@ -102,10 +103,8 @@ impl TearingFilm<'_> {
 /// Elements of a film that tears, and their neighbours.
 #[derive(Clone, Debug)]
 pub(super) struct Tips {
-    /// Entries of `around` of each node: where they start, and where the last ones end.
-    first: Vec<u32>,
-    /// Elements at the nodes, in order.
-    around: Vec<Element>,
+    /// Elements at the nodes.
+    around: Around<Element>,
     /// Nodes of each element, chunk by chunk.
     nodes: Vec<Vec<Vec<u32>>>,
     /// On which mirror planes a node lies, a bit each.
@@ -131,17 +130,14 @@ impl Tips {
             }
             nodes.push(of_chunk);
         }
-        pairs.sort_unstable();
-        let first = (0..=count as u32).map(|node| pairs.partition_point(|(n, _)| *n < node) as u32).collect();
         let mut mirrors = vec![0; count];
         for (axis, plane) in planes.iter().enumerate() {
             plane.nodes.iter().for_each(|node| mirrors[*node as usize] |= 1 << axis);
         }
         let outer = outer_nodes(&nodes, &mirrors);
         Tips {
-            first,
             outer,
-            around: pairs.into_iter().map(|(_, element)| element).collect(),
+            around: Around::new(count, pairs),
             places: nodes.iter().map(|of_chunk| vec![Place::Whole; of_chunk.len()]).collect(),
             nodes,
             mirrors,
@@ -249,7 +245,7 @@ impl Tips {
 
     /// Elements at a node.
     fn at(&self, node: u32) -> &[Element] {
-        &self.around[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+        self.around.at(node)
     }
 
     /// Nodes of an element.

@@ -9,6 +9,7 @@ use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use super::element_points::{DeepestPoint, Search, corner_weights, sides, weights_of};
 use super::projection::Projection;
 use super::vector;
+use crate::engine::adjacency::{Around, sorted_sides};
 
 /// Angle between two faces above which their edge counts as sharp, rad: below it they stand for a curved surface.
 const SHARP: f64 = 0.3;
@@ -36,9 +37,8 @@ pub(super) struct Features {
     /// Edges of each triangle, from its first corner on.
     edges_of: Vec<[u32; 3]>,
     edges: Vec<Edge>,
-    /// Ends of the edges at each vertex: those of vertex `n` from `first[n]` to `first[n + 1]`.
-    around: Vec<u32>,
-    first: Vec<u32>,
+    /// Ends of the edges at each vertex.
+    around: Around<u32>,
     edge_radius: f64,
     is_convex: bool,
 }
@@ -97,43 +97,24 @@ impl Features {
     pub(super) fn from_mesh(mesh: &TriMesh) -> Features {
         let vertices: Vec<Vector3<f64>> = mesh.vertices().iter().map(|v| Vector3::new(v.x, v.y, v.z)).collect();
         let triangles = mesh.indices().to_vec();
-        // Both triangles of an edge list it, once in each direction.
-        let mut sides: Vec<([u32; 2], u32, usize, usize)> = vec![];
-        for (t, [a, b, c]) in triangles.iter().enumerate() {
-            for (k, (ends, opposite)) in [([*a, *b], *c), ([*b, *c], *a), ([*c, *a], *b)].into_iter().enumerate() {
-                sides.push(([ends[0].min(ends[1]), ends[0].max(ends[1])], opposite, t, k));
-            }
-        }
-        sides.sort_unstable();
         let (mut edges, mut edges_of) = (vec![], vec![[0; 3]; triangles.len()]);
-        for pair in sides.chunk_by(|one, other| one.0 == other.0) {
-            for (_, _, t, k) in pair {
-                edges_of[*t][*k] = edges.len() as u32;
+        for of_edge in sorted_sides(&triangles).chunk_by(|one, other| one.ends == other.ends) {
+            for side in of_edge {
+                edges_of[side.triangle as usize][(side.corner + 1) % 3] = edges.len() as u32;
             }
             // An edge with one triangle, which a closed mesh does not have, is its own neighbour instead of a panic.
-            let [first, last] = [pair[0], pair[pair.len() - 1]];
-            let triangles = [first.2 as u32, last.2 as u32];
-            edges.push(Edge { ends: first.0, opposite: [first.1, last.1], triangles });
+            let both = [of_edge[0], of_edge[of_edge.len() - 1]];
+            let opposite = both.map(|side| triangles[side.triangle as usize][side.corner]);
+            edges.push(Edge { ends: of_edge[0].ends, opposite, triangles: both.map(|side| side.triangle) });
         }
-        let mut ends: Vec<[u32; 2]> = edges.iter().flat_map(|edge| [edge.ends, [edge.ends[1], edge.ends[0]]]).collect();
-        ends.sort_unstable();
-        let first =
-            (0..=vertices.len()).map(|n| ends.partition_point(|[from, _]| (*from as usize) < n) as u32).collect();
-        let around = ends.into_iter().map(|[_, to]| to).collect();
-        let mut features = Features {
-            vertices,
-            triangles,
-            edges_of,
-            edges,
-            around,
-            first,
-            edge_radius: f64::INFINITY,
-            is_convex: true,
-        };
+        let ends = edges.iter().flat_map(|Edge { ends: [a, b], .. }| [(*a, *b), (*b, *a)]);
+        let around = Around::new(vertices.len(), ends.collect());
+        let mut features =
+            Features { vertices, triangles, edges_of, edges, around, edge_radius: f64::INFINITY, is_convex: true };
         let radii = features.edges.iter().filter_map(|edge| features.radius(edge));
         features.edge_radius = radii.fold(f64::INFINITY, f64::min);
         // A closed surface of one part that bends inwards nowhere is convex; Euler's number tells the number of parts.
-        let used = features.first.windows(2).filter(|range| range[0] < range[1]).count();
+        let used = (0..features.around.len()).filter(|vertex| !features.around.at(*vertex as u32).is_empty()).count();
         features.is_convex = used + features.triangles.len() == features.edges.len() + 2
             && features.triangles.iter().zip(&features.edges_of).all(|(t, e)| features.is_above_its_neighbours(t, e));
         features
@@ -218,7 +199,7 @@ impl Features {
         // Uphill from corner to corner: on a convex body no other corner lies beyond one whose neighbours do not.
         loop {
             let before = at;
-            for next in self.around(before) {
+            for next in self.around.at(before) {
                 let along = self.vertex(*next).dot(direction);
                 if along > reach {
                     (at, reach) = (*next, along);
@@ -230,16 +211,10 @@ impl Features {
         }
     }
 
-    /// The corners that an edge joins with `vertex`.
-    fn around(&self, vertex: u32) -> &[u32] {
-        let [first, end] = [0, 1].map(|k| self.first[vertex as usize + k] as usize);
-        &self.around[first..end]
-    }
-
     /// Whether the body lies below `vertex` along the unit vector `normal`.
     fn supports(&self, vertex: u32, normal: &Vector3<f64>) -> bool {
         let at = self.vertex(vertex);
-        self.around(vertex).iter().all(|n| {
+        self.around.at(vertex).iter().all(|n| {
             let side = self.vertex(*n) - at;
             side.dot(normal) <= ROUND_OFF * side.norm()
         })

@@ -1,5 +1,6 @@
 //! Which parts of a face belong together along the film.
 
+use crate::engine::adjacency::Around;
 use crate::engine::film::Film;
 use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::nodes::Vectors;
@@ -14,30 +15,28 @@ pub(super) struct Topology {
     of_edge: Vec<u32>,
     /// The other intact triangle of each edge.
     behind: Vec<u32>,
-    /// Nodes near each along the film, itself among them, in order, one after the other.
-    near: Vec<u32>,
-    /// Where those of each node begin in `near`.
-    first: Vec<u32>,
+    /// Nodes near each along the film, itself among them.
+    near: Around<u32>,
 }
 
 impl Topology {
     /// Of `films` mounted at `position`, where nodes are near each other up to the distance `along` (m) of each face.
     pub(super) fn new(films: &[Film], surface: &Surface, position: &Vectors, along: &[f64]) -> Topology {
-        let (mut near, mut first) = (vec![], vec![0]);
+        let mut near = vec![];
         for (film, along) in films.iter().zip(along) {
-            for node in film.nodes.clone() {
-                near.extend(within(surface, position, node as u32, *along));
-                first.push(near.len() as u32);
+            for node in film.nodes.clone().map(|node| node as u32) {
+                near.extend(within(surface, position, node, *along).into_iter().map(|other| (node, other)));
             }
         }
-        let mut topology = Topology { of_node: vec![], of_edge: vec![], behind: vec![], near, first };
+        let near = Around::new(films.last().map_or(0, |film| film.nodes.end), near);
+        let mut topology = Topology { of_node: vec![], of_edge: vec![], behind: vec![], near };
         topology.update(surface);
         topology
     }
 
     /// Takes over which triangles are intact.
     pub(super) fn update(&mut self, surface: &Surface) {
-        self.of_node = vec![NONE; self.first.len() - 1];
+        self.of_node = vec![NONE; self.near.len()];
         [self.of_edge, self.behind] = [(); 2].map(|()| vec![NONE; surface.edges.len()]);
         for triangle in (0..surface.corners.len()).filter(|triangle| surface.is_intact[*triangle]) {
             let own = triangle as u32;
@@ -73,9 +72,9 @@ impl Topology {
         if one == other {
             return true;
         }
-        let (from, to) = (self.first[one as usize] as usize, self.first[one as usize + 1] as usize);
+        let near = self.near.at(one);
         // Nearly always the node alone.
-        to - from > 1 && self.near[from..to].binary_search(&other).is_ok()
+        near.len() > 1 && near.binary_search(&other).is_ok()
     }
 
     /// Calls `add` with the pairs of parts of two triangles that may meet, each found in one pair of triangles only.
@@ -114,7 +113,7 @@ impl Topology {
     }
 }
 
-/// Nodes up to the distance `along` (m) from one along edges, itself among them, in order.
+/// Nodes up to the distance `along` (m) from one along edges, itself among them, each once.
 fn within(surface: &Surface, position: &Vectors, node: u32, along: f64) -> Vec<u32> {
     // Dijkstra without a queue: there are few of them, mostly one.
     let mut reached = vec![(node, 0.0_f64)];
