@@ -97,10 +97,13 @@ pub(super) enum Unusable {
     Beyond,
 }
 
-/// Where two points of film are and move.
+/// Two points of film that may come too close: a node and one over a triangle, or one on each of two edges.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     pub(super) nodes: [u32; 4],
+    /// Of the nodes in the one point, less those in the other.
     pub(super) weights: [f64; 4],
+    /// Unit normal on the side on which the first of the points belongs.
     pub(super) normal: Vector3<f64>,
     /// Distance along the normal at the end of the step as predicted, m.
     pub(super) distance: f64,
@@ -111,8 +114,8 @@ pub(super) struct Pair {
 impl Constraint {
     /// The constraint of `pair` over a step of `dt` (s), without an impulse.
     #[inline]
-    pub(super) fn new(source: Source, pair: Pair, nodes: &Nodes, dt: f64) -> Result<Constraint, Unusable> {
-        let Pair { nodes: of, weights, normal, distance, bound } = pair;
+    pub(super) fn new(source: Source, pair: &Pair, nodes: &Nodes, dt: f64) -> Result<Constraint, Unusable> {
+        let Pair { nodes: of, weights, normal, distance, bound } = *pair;
         let points = WeightedNodes::new(of, weights, nodes);
         let inverse_mass = points.inverse_mass();
         let inverse_effective_mass = product(&inverse_mass, &normal).dot(&normal);
@@ -177,6 +180,12 @@ impl Constraint {
         }
         self.points.apply(&impulse, velocity);
         change.abs() * self.inverse_effective_mass
+    }
+
+    /// Moves the nodes by the change of the impulse since the last call.
+    #[inline]
+    pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
+        self.impulse.move_nodes(&self.points, position, dt);
     }
 
     /// Impulse that the next step starts from.

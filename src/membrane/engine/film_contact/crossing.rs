@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::due::Pairs;
-use super::surface::{NONE, Surface, are_below};
+use super::surface::{NONE, Surface, are_below, place};
 use super::tracking::{BESIDE, Tracking, foot, normal_of, project};
 use crate::engine::nodes::Vectors;
 
@@ -62,11 +61,9 @@ fn follow(
     [from, to]: [u32; 2],
     out: &mut Vec<Crossing>,
 ) {
-    let [start, end] = [from, to].map(|n| Vector3::from(position.value_at(n as usize)));
-    let direction = {
-        let [a, b] = surface.edges[edge as usize].map(|n| Vector3::from(position.value_at(n as usize)));
-        b - a
-    };
+    let [start, end] = [from, to].map(|n| place(position, n as usize));
+    let [a, b] = surface.ends_at(position, edge);
+    let direction = b - a;
     // The whole edge lies on the side of its first node: it came from there (theory.md, section 6).
     let (sign, bound) = (tracking.pairs.sign[from as usize], tracking.pairs.bound[from as usize]);
     let (mut triangle, mut entered) = (tracking.triangle[from as usize], NONE);
@@ -96,7 +93,7 @@ fn follow(
         let corner = surface.corners[triangle as usize][if weight(l) > weight(m) { l } else { m }];
         // That pair of nodes has the same distance already: two constraints for it would only slow the sweeps.
         if tracking.corner(near) != Some(corner) && back.corner(corner) != Some(near) {
-            let [c, d] = surface.edges[other as usize].map(|n| Vector3::from(position.value_at(n as usize)));
+            let [c, d] = surface.ends_at(position, other);
             let across = direction.cross(&(d - c));
             let up = across.dot(&normal) * sign;
             let is_across = across.norm_squared() > PARALLEL * direction.norm_squared() * (d - c).norm_squared();

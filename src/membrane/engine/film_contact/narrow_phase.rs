@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use super::constraint::{Constraint, Pair, Source, Unusable};
 use super::crossing::{Crossings, PARALLEL};
 use super::due::{self, Pairs};
-use super::self_contact::FoundPairs;
 use super::surface::{Surface, place};
 use super::tracking::{self, BESIDE, Foot, Tracking};
 use super::{FilmContact, History};
@@ -41,15 +40,17 @@ const KINDS: [(Kind, usize); 4] =
 #[derive(Default)]
 pub(super) struct Found {
     /// Places of what is looked at.
-    places: Vec<u32>,
+    pub(super) places: Vec<u32>,
     /// Film may cover this path, m, until each of these is looked at again.
-    spared: Vec<f64>,
-    close: Vec<Close>,
+    pub(super) spared: Vec<f64>,
+    /// Entries among the places, and the points that may come too close.
+    pub(super) close: Vec<(usize, Pair)>,
     /// Entries among the places of nodes that are not over their triangle, or on no side of it so far.
     beside: Vec<usize>,
     /// Nodes that do not lie on a corner any more; crossings that have become parallel, or are so no more.
     turned: Vec<u32>,
-    itself: FoundPairs,
+    /// Place of a pair of one face, its sign and its least allowed distance (m), where these have changed.
+    pub(super) changed: Vec<(u32, [f64; 2])>,
     constraints: Vec<Constraint>,
     /// Node and foot of those whose triangle or side has changed.
     moved: Vec<(u32, Foot)>,
@@ -58,39 +59,35 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// Nothing so far at these places.
+    pub(super) fn at(places: Vec<u32>) -> Found {
+        Found { places, ..Found::default() }
+    }
+
     fn clear(&mut self) {
         self.spared.clear();
         self.close.clear();
         self.beside.clear();
         self.turned.clear();
-        self.itself.clear();
+        self.changed.clear();
         self.constraints.clear();
         self.moved.clear();
         self.lost.clear();
     }
 
-    /// Adds the constraint of an entry among the places, if it has one.
-    fn add(&mut self, entry: usize, constraint: Result<Constraint, Unusable>) {
-        match constraint {
-            Ok(constraint) => {
-                // Until the end of the step, for it has its constraint now.
-                self.spared[entry] = f64::INFINITY;
-                self.constraints.push(constraint);
+    /// Adds the constraints of what is close, of which `source` tells to what it belongs by its place.
+    fn add_close(&mut self, step: Step<'_>, source: impl Fn(usize) -> Source) {
+        for (entry, pair) in &self.close {
+            let place = self.places[*entry] as usize;
+            match Constraint::new(source(place), pair, step.nodes, step.dt) {
+                Ok(constraint) => {
+                    // Until the end of the step, for it has its constraint now.
+                    self.spared[*entry] = f64::INFINITY;
+                    self.constraints.push(constraint);
+                }
+                Err(Unusable::Held) => (),
+                Err(Unusable::Beyond) => self.lost.push(place),
             }
-            Err(Unusable::Held) => (),
-            Err(Unusable::Beyond) => self.lost.push(self.places[entry] as usize),
-        }
-    }
-
-    /// Adds the constraints of what is close, of which `of` tells source and nodes by the place among `pairs`.
-    fn add_close(&mut self, step: Step<'_>, pairs: &Pairs, of: impl Fn(usize) -> (Source, [u32; 4])) {
-        for k in 0..self.close.len() {
-            let Close { entry, weights, normal, distance } = self.close[k];
-            let place = self.places[entry] as usize;
-            let (source, nodes) = of(place);
-            let bound = pairs.bound[place];
-            let pair = Pair { nodes, weights, normal, distance, bound };
-            self.add(entry, Constraint::new(source, pair, step.nodes, step.dt));
         }
     }
 }
@@ -164,7 +161,7 @@ impl FilmContact {
                 }
                 Kind::Itself => {
                     let Some(itself) = &mut self.itself else { continue };
-                    itself.follow(&found.itself);
+                    itself.follow(&found.changed);
                     found.lost.iter().for_each(|place| itself.lose(*place));
                 }
             }
@@ -218,18 +215,13 @@ impl FilmContact {
     fn detect_nodes(&self, pool: &ThreadPool, step: Step<'_>, side: usize, found: &mut Found) {
         let tracking = &self.history.tracking[side];
         close_nodes(pool.width(), tracking, &step.nodes.position, step.margins, found);
-        // In the order of the tracking, which may be turned so that the corner under the node comes first.
-        let [first, second, third] = &tracking.corners;
-        found.add_close(step, &tracking.pairs, |n| {
-            (Source::Node { side, node: n as u32 }, [n as u32, first[n], second[n], third[n]])
-        });
         for k in 0..found.beside.len() {
             let entry = found.beside[k];
             if let Some(pair) = self.pair_beside(step, side, entry, found) {
-                let source = Source::Node { side, node: found.places[entry] };
-                found.add(entry, Constraint::new(source, pair, step.nodes, step.dt));
+                found.close.push((entry, pair));
             }
         }
+        found.add_close(step, |place| Source::Node { side, node: place as u32 });
     }
 
     /// The pair of a node beside its triangle and what it lies over, if these are close.
@@ -263,48 +255,22 @@ impl FilmContact {
     fn detect_crossings(&self, pool: &ThreadPool, step: Step<'_>, found: &mut Found) {
         let crossings = &self.history.crossings;
         close_crossings(pool.width(), crossings, &step.nodes.position, step.margins, found);
-        let nodes = |place: usize| [0, 1, 2, 3].map(|k| crossings.nodes[k][place]);
-        found.add_close(step, &crossings.pairs, |place| (Source::Crossing(crossings.edges(place)), nodes(place)));
+        found.add_close(step, |place| Source::Crossing(crossings.edges(place)));
     }
 
     /// Constraints of the listed pairs of a face.
     fn detect_itself(&self, step: Step<'_>, found: &mut Found) {
         let Some(itself) = &self.itself else { return };
-        let Found { places, spared, itself: of_pairs, .. } = &mut *found;
-        itself.detect(step, places, spared, of_pairs);
-        for (entry, parts, pair) in std::mem::take(&mut found.itself.close) {
-            found.add(entry, Constraint::new(Source::Itself(parts), pair, step.nodes, step.dt));
-        }
+        itself.detect(step, found);
+        found.add_close(step, |place| Source::Itself(itself.state.pairs.known(place).parts));
     }
 
     /// Least distance of the crossings, m, where one is less than `distance`.
     pub(super) fn least_of_crossings(&self, position: &Vectors, distance: f64, pool: &ThreadPool) -> f64 {
         let places = self.history.crossings.places().map(|place| place as u32).collect();
-        let mut found = Found { places, ..Found::default() };
+        let mut found = Found::at(places);
         close_crossings(pool.width(), &self.history.crossings, position, [f64::INFINITY; 2], &mut found);
-        found.close.iter().map(|close| close.distance).fold(distance, f64::min)
-    }
-
-    /// Number of nodes and crossings that are not due with nodes at `position`, and of those of them that are closer
-    /// than allowed.
-    #[cfg(test)]
-    pub(super) fn count_spared(&self, position: &Vectors) -> [usize; 2] {
-        use crate::lane::Width;
-        let path = self.history.path + 2.0 * self.motion(position, Width::best());
-        let is_spared = |due: f64| due.is_finite() && due > path;
-        let [mut all, mut close] = [0; 2];
-        for tracking in &self.history.tracking {
-            for n in (0..tracking.triangle.len()).filter(|n| is_spared(tracking.pairs.due[*n])) {
-                let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
-                all += 1;
-                close += usize::from(foot.is_over && tracking.pairs.sign[n] * foot.distance < tracking.pairs.bound[n]);
-            }
-        }
-        let spared =
-            self.history.crossings.places().filter(|place| is_spared(self.history.crossings.pairs.due[*place]));
-        let mut found = Found { places: spared.map(|place| place as u32).collect(), ..Found::default() };
-        close_crossings(Width::best(), &self.history.crossings, position, [0.0; 2], &mut found);
-        [all + found.places.len(), close + found.close.len()]
+        found.close.iter().map(|(_, pair)| pair.distance).fold(distance, f64::min)
     }
 }
 
@@ -313,19 +279,6 @@ fn approach(surface: &Surface, nodes: &Nodes, node: usize, foot: &Foot) -> f64 {
     let corners = surface.corners[foot.triangle as usize];
     let film: Vector3<f64> = (0..3).map(|k| nodes.velocity_of(corners[k] as usize) * foot.weights[k]).sum();
     (nodes.velocity_of(node) - film).dot(&foot.normal)
-}
-
-/// A node over its triangle, or two edges that cross.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Close {
-    /// Its entry among the places.
-    entry: usize,
-    /// Of its nodes: of the node and the corners in the order of [`Tracking::corners`], or of the ends of both edges.
-    weights: [f64; 4],
-    /// Unit normal on the side on which the node, or the first edge, belongs.
-    normal: Vector3<f64>,
-    /// Along it, m.
-    distance: f64,
 }
 
 at_width! {
@@ -379,8 +332,10 @@ at_width! {
                 if is_close.holds(l) {
                     let (b, c) = (of_b[l] / squared[l], of_c[l] / squared[l]);
                     let normal = area.vector(l) * (sign[l] / length[l]);
+                    // In the order of the tracking, which may be turned so that the corner under the node comes first.
+                    let nodes = [nodes[l], corners[0][l], corners[1][l], corners[2][l]];
                     let weights = [1.0, -(1.0 - b - c), -b, -c];
-                    close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
+                    close.push((start + l, Pair { nodes, weights, normal, distance: distance[l], bound: bound[l] }));
                 }
             }
         }
@@ -390,7 +345,7 @@ at_width! {
 at_width! {
     /// Finds those of the crossings at the places that are closer than allowed, or by less than the first of the `margins`
     /// (m) farther, those that have turned, and the path that film may cover until each is looked at again.
-    fn close_crossings[](crossings: &Crossings, position: &Vectors, margins: [f64; 2], found: &mut Found) {
+    pub(super) fn close_crossings[](crossings: &Crossings, position: &Vectors, margins: [f64; 2], found: &mut Found) {
         // One function, as that of nodes.
         let Found { places, spared, close, turned, .. } = found;
         let [margin, widest] = margins;
@@ -438,8 +393,9 @@ at_width! {
                 if is_close.holds(l) {
                     let (s, t) = (s[l] / squared[l], t[l] / squared[l]);
                     let normal = across.vector(l) * factor[l];
+                    let nodes = [nodes[0][l], nodes[1][l], nodes[2][l], nodes[3][l]];
                     let weights = [1.0 - s, s, t - 1.0, -t];
-                    close.push(Close { entry: start + l, weights, normal, distance: distance[l] });
+                    close.push((start + l, Pair { nodes, weights, normal, distance: distance[l], bound: bound[l] }));
                 }
             }
         }

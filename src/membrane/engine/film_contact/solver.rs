@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::constraint::{Constraint, Source};
+use super::constraint::Source;
 use super::due::Pairs;
 use super::surface::NONE;
 use super::{FilmContact, History};
@@ -77,8 +77,7 @@ impl FilmContact {
                 // Along the present normal, which has turned since: the old impulse was taken back above and is not
                 // simply kept.
                 self.constraints[k].start_from(carried, &mut nodes.velocity);
-                let Constraint { impulse, points, .. } = &mut self.constraints[k];
-                impulse.move_nodes(points, &mut nodes.position, dt);
+                self.constraints[k].move_nodes(&mut nodes.position, dt);
             }
         }
         self.mark_carried(|_| NONE);
@@ -127,9 +126,7 @@ impl FilmContact {
     /// Moves the nodes by the impulses so far. Where they have moved by these and by other contacts farther than the
     /// detection allows for, adds what has come too close, and returns true.
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
-        for Constraint { impulse, points, .. } in &mut self.constraints {
-            impulse.move_nodes(points, &mut nodes.position, dt);
-        }
+        self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
         let motion = self.motion(&nodes.position, pool.width());
         self.history.pushed = self.history.pushed.max(motion);
         // Both films may have moved by that.
@@ -203,7 +200,7 @@ impl FilmContact {
         self.history.carried.clear();
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
-            constraint.impulse.move_nodes(&constraint.points, position, dt);
+            constraint.move_nodes(position, dt);
             if !constraint.impulse.is_active() {
                 continue;
             }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::due::Pairs;
-use super::surface::{NONE, Surface, are_below};
+use super::surface::{NONE, Surface, are_below, place};
 use crate::engine::nodes::Vectors;
 
 /// Share of an element by which a node may lie beside its triangle until it is followed to the next one.
@@ -78,8 +78,7 @@ impl Tracking {
             return;
         }
         let corners = self.corners.each_ref().map(|corner| corner[node]);
-        let [a, b, c, point] =
-            [corners[0], corners[1], corners[2], node as u32].map(|n| Vector3::from(position.value_at(n as usize)));
+        let ([a, b, c], point) = (corners.map(|n| place(position, n as usize)), place(position, node));
         let normal = (b - a).cross(&(c - a)).normalize();
         for (k, corner) in [a, b, c].iter().enumerate() {
             let from = point - corner;
@@ -166,7 +165,7 @@ pub(super) fn foot(surface: &Surface, position: &Vectors, point: &Vector3<f64>, 
 fn beside(surface: &Surface, position: &Vectors, point: &Vector3<f64>, triangle: u32, k: usize, is_over: bool) -> Foot {
     let corners = surface.corners[triangle as usize];
     let [from, to] = [(k + 1) % 3, (k + 2) % 3];
-    let [a, b] = [from, to].map(|c| Vector3::from(position.value_at(corners[c] as usize)));
+    let [a, b] = [from, to].map(|c| place(position, corners[c] as usize));
     let along = b - a;
     let share = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     let mut weights = [0.0; 3];

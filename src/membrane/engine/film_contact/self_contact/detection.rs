@@ -13,7 +13,7 @@ use super::{LEAST, SelfContact};
 use crate::engine::film_contact::constraint::Pair;
 use crate::engine::film_contact::crossing::PARALLEL;
 use crate::engine::film_contact::due::{self, Pairs};
-use crate::engine::film_contact::narrow_phase::Step;
+use crate::engine::film_contact::narrow_phase::{Found, Step};
 use crate::engine::film_contact::surface::{NONE, Surface, place};
 use crate::engine::film_contact::tracking::{BESIDE, normal_of, project};
 use crate::engine::nodes::Vectors;
@@ -33,25 +33,9 @@ const DOUBTFUL: f64 = 0.5;
 /// Least area of a triangle over the square of its longest side for which it has a normal.
 const NARROW: f64 = 1e-6;
 
-/// Results of a task.
-#[derive(Default)]
-pub(in crate::engine::film_contact) struct FoundPairs {
-    /// Place of a pair, its sign and its least allowed distance (m), where these have changed.
-    changed: Vec<(u32, [f64; 2])>,
-    /// Entry among the places that were looked at, and the parts and points that may come too close.
-    pub(in crate::engine::film_contact) close: Vec<(usize, Parts, Pair)>,
-}
-
-impl FoundPairs {
-    pub(in crate::engine::film_contact) fn clear(&mut self) {
-        self.changed.clear();
-        self.close.clear();
-    }
-}
-
 /// What a pair is in a step.
 struct Looked {
-    /// As of [`SelfPair`], before the step.
+    /// As of [`Known`], before the step.
     sign: f64,
     /// Least possible distance at the predicted positions, m.
     apart: f64,
@@ -60,14 +44,9 @@ struct Looked {
 }
 
 impl SelfContact {
-    /// Looks at the pairs at `places`. `spared` becomes the path that film may cover until each is looked at again, m.
-    pub(in crate::engine::film_contact) fn detect(
-        &self,
-        step: Step<'_>,
-        places: &[u32],
-        spared: &mut Vec<f64>,
-        found: &mut FoundPairs,
-    ) {
+    /// Looks at the pairs at the places.
+    pub(in crate::engine::film_contact) fn detect(&self, step: Step<'_>, found: &mut Found) {
+        let Found { places, spared, close: all_close, changed, .. } = found;
         for (entry, place) in places.iter().enumerate() {
             let at = *place as usize;
             let pair = self.state.pairs.known(at);
@@ -82,19 +61,19 @@ impl SelfContact {
             let close = close.map(|close| Pair { bound: self.allowed(step, at, &close), ..close });
             let bound = close.as_ref().map_or(pair.bound, |close| close.bound);
             if [sign, bound] != [pair.sign, pair.bound] {
-                found.changed.push((*place, [sign, bound]));
+                changed.push((*place, [sign, bound]));
             }
             if let Some(close) =
                 close.filter(|close| close.distance < self.state.pairs.pairs.limit(at, bound + step.margins[0]))
             {
-                found.close.push((entry, pair.parts, close));
+                all_close.push((entry, close));
             }
         }
     }
 
-    /// Takes over what was found of the sides of pairs.
-    pub(in crate::engine::film_contact) fn follow(&mut self, found: &FoundPairs) {
-        for (place, [sign, bound]) in &found.changed {
+    /// Takes over signs and least allowed distances (m) that have changed, with the places of their pairs.
+    pub(in crate::engine::film_contact) fn follow(&mut self, changed: &[(u32, [f64; 2])]) {
+        for (place, [sign, bound]) in changed {
             let Pairs { sign: signs, bound: bounds, .. } = &mut self.state.pairs.pairs;
             (signs[*place as usize], bounds[*place as usize]) = (*sign, *bound);
         }

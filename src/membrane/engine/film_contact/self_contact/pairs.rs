@@ -20,8 +20,8 @@ pub(in crate::engine::film_contact) enum Parts {
 
 /// What is known of a pair at the start of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
-    pub(super) parts: Parts,
+pub(in crate::engine::film_contact) struct Known {
+    pub(in crate::engine::film_contact) parts: Parts,
     /// Factor on the normal of the triangle, or on the product of the edges, that makes it point to the node, or from
     /// the second edge to the first; zero where the node is not over the triangle, or the edges do not cross.
     pub(super) sign: f64,
@@ -65,7 +65,7 @@ impl SelfPairs {
         self.parts.binary_search(&parts).ok()
     }
 
-    pub(super) fn known(&self, place: usize) -> Known {
+    pub(in crate::engine::film_contact) fn known(&self, place: usize) -> Known {
         Known { parts: self.parts[place], sign: self.pairs.sign[place], bound: self.pairs.bound[place] }
     }
 

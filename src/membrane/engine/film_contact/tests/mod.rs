@@ -10,9 +10,32 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::*;
 use crate::engine::{Contact, Energies, Engine, Impact, Loads, Mesh, RigidBody, Section, Surface, Unobserved, View};
+use crate::lane::Width;
 use crate::material::{Elastic, Law, Rupture};
 
 const THICKNESS: f64 = 1e-4;
+
+impl FilmContact {
+    /// Number of nodes and crossings that are not due with nodes at `position`, and of those of them that are closer
+    /// than allowed.
+    fn count_spared(&self, position: &Vectors) -> [usize; 2] {
+        let path = self.history.path + 2.0 * self.motion(position, Width::best());
+        let is_spared = |due: f64| due.is_finite() && due > path;
+        let [mut all, mut close] = [0; 2];
+        for tracking in &self.history.tracking {
+            for n in (0..tracking.triangle.len()).filter(|n| is_spared(tracking.pairs.due[*n])) {
+                let foot = tracking::foot(&self.surface, position, &place(position, n), tracking.triangle[n]);
+                all += 1;
+                close += usize::from(foot.is_over && tracking.pairs.sign[n] * foot.distance < tracking.pairs.bound[n]);
+            }
+        }
+        let spared =
+            self.history.crossings.places().filter(|place| is_spared(self.history.crossings.pairs.due[*place]));
+        let mut found = Found::at(spared.map(|place| place as u32).collect());
+        narrow_phase::close_crossings(Width::best(), &self.history.crossings, position, [0.0; 2], &mut found);
+        [all + found.places.len(), close + found.close.len()]
+    }
+}
 
 /// A square of `cells` quadrilaterals along an edge of `size` (m), turned by `angle` (rad) about its centre.
 fn square(size: f64, cells: u32, angle: f64) -> Mesh {
