@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::contact::Meeting;
-use super::impact::Impact;
+use super::impact::{Impact, released_pairs};
 use super::rigid_body::RigidBody;
 use super::weighted_nodes::ContactImpulse;
 
@@ -43,24 +43,22 @@ impl Collisions {
     /// The points at which released bodies may meet in the next `dt` (s).
     pub(super) fn within(impacts: &[Impact], dt: f64) -> Collisions {
         let mut points = vec![];
-        for (second, b) in impacts.iter().enumerate().filter(|(_, b)| !b.is_held()) {
-            for (first, a) in impacts[..second].iter().enumerate().filter(|(_, a)| !a.is_held()) {
-                // Twice the travel: a collision may make a body faster.
-                let reach = 2.0 * (travel(a, dt) + travel(b, dt));
-                let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
-                // Points and arms hold for the whole step, and velocities alone change: so a sweep needs no search.
-                let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
-                points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
-                    bodies: [first, second],
-                    impulse: ContactImpulse::none(normal),
-                    arms: [a, b].map(|of| point - of.body.centre()),
-                    gap: gap - a.cover - b.cover,
-                    tolerance,
-                    restitution: a.restitution.min(b.restitution),
-                    friction: a.contact.friction().min(b.contact.friction()),
-                    is_blocked: false,
-                }));
-            }
+        for ([first, second], [a, b]) in released_pairs(impacts) {
+            // Twice the travel: a collision may make a body faster.
+            let reach = 2.0 * (travel(a, dt) + travel(b, dt));
+            let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
+            // Points and arms hold for the whole step, and velocities alone change: so a sweep needs no search.
+            let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
+            points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
+                bodies: [first, second],
+                impulse: ContactImpulse::none(normal),
+                arms: [a, b].map(|of| point - of.body.centre()),
+                gap: gap - a.cover - b.cover,
+                tolerance,
+                restitution: a.restitution.min(b.restitution),
+                friction: a.contact.friction().min(b.contact.friction()),
+                is_blocked: false,
+            }));
         }
         Collisions { points }
     }

@@ -167,3 +167,10 @@ impl Impact {
         }
     }
 }
+
+/// Pairs of released bodies with their indices, the smaller one first, in the order of the second.
+pub(super) fn released_pairs(impacts: &[Impact]) -> impl Iterator<Item = ([usize; 2], [&Impact; 2])> {
+    let released = move |end: usize| impacts[..end].iter().enumerate().filter(|(_, impact)| !impact.is_held());
+    released(impacts.len())
+        .flat_map(move |(second, b)| released(second).map(move |(first, a)| ([first, second], [a, b])))
+}

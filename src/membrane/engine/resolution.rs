@@ -4,7 +4,7 @@
 use super::collision::Collisions;
 use super::contact::{Contact, Impulse};
 use super::film_contact::FilmContact;
-use super::impact::Impact;
+use super::impact::{Impact, released_pairs};
 use super::nodes::{Nodes, StepSums, Vectors};
 use super::rigid_body::RigidBody;
 use super::thread_pool::ThreadPool;
@@ -85,14 +85,12 @@ struct SharedNodes {
 impl SharedNodes {
     fn from_impacts(impacts: &[Impact]) -> SharedNodes {
         let mut pairs = vec![];
-        for (second, b) in impacts.iter().enumerate().filter(|(_, b)| !b.is_held()) {
-            for (first, a) in impacts[..second].iter().enumerate().filter(|(_, a)| !a.is_held()) {
-                // By the lists, not by positions: they hold whatever may be in contact until the end of the step.
-                let of_both = a.contact.listed().filter(|node| b.contact.lists(*node));
-                let nodes: Vec<usize> = of_both.map(|node| node as usize).collect();
-                if !nodes.is_empty() {
-                    pairs.push(([first, second], nodes));
-                }
+        for (bodies, [a, b]) in released_pairs(impacts) {
+            // By the lists, not by positions: they hold whatever may be in contact until the end of the step.
+            let of_both = a.contact.listed().filter(|node| b.contact.lists(*node));
+            let nodes: Vec<usize> = of_both.map(|node| node as usize).collect();
+            if !nodes.is_empty() {
+                pairs.push((bodies, nodes));
             }
         }
         SharedNodes { pairs }
@@ -181,12 +179,8 @@ impl Engine {
     /// The first two impactors that move from the start and overlap, by their indices, and how deep, m; of those pairs
     /// that `are_looked_at`.
     pub fn overlap_of_impactors(&self, are_looked_at: impl Fn([&Impact; 2]) -> bool) -> Option<([usize; 2], f64)> {
-        let released = || self.impacts.iter().enumerate().filter(|(_, impact)| !impact.is_held());
-        released().find_map(|(second, b)| {
-            let before = released().take_while(|(first, _)| *first < second);
-            let mut before = before.into_iter().filter(|(_, a)| are_looked_at([a, b]));
-            before.find_map(|(first, a)| Some(([first, second], collision::overlap(a, b)?)))
-        })
+        let mut pairs = released_pairs(&self.impacts).filter(|(_, bodies)| are_looked_at(*bodies));
+        pairs.find_map(|(bodies, [a, b])| Some((bodies, collision::overlap(a, b)?)))
     }
 
     /// Releases the impactors whose time has come; the work of what launches them is external.

@@ -115,10 +115,7 @@ impl RigidBody {
     /// A body at `pose` with six degrees of freedom and `velocity` (m/s), not spinning; `mass` in kg, `inertia` (kg m²)
     /// about its centre of mass in body axes.
     pub fn free(pose: Isometry3<f64>, velocity: Vector3<f64>, mass: f64, inertia: Matrix3<f64>) -> RigidBody {
-        let spin = Vector3::zeros();
-        let inverse_inertia = Matrix3::zeros();
-        let (freedom, guide_friction) = (Freedom::All, GuideFriction::default());
-        let mut body = RigidBody { pose, velocity, spin, mass, inertia, inverse_inertia, freedom, guide_friction };
+        let mut body = RigidBody { velocity, inertia, freedom: Freedom::All, ..RigidBody::guided(pose, 0.0, mass) };
         body.update_inverse_inertia();
         body
     }

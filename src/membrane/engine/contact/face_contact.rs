@@ -2,10 +2,9 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::impulse_sums::Friction;
-use super::impulse_sums::ImpulseSums;
+use super::impulse_sums::{Friction, ImpulseSums};
 use super::neighbours::NeighbourElement;
-use super::surface::{Clearance, DeepestPoint, Followed, UNKNOWN};
+use super::surface::{Clearance, DeepestPoint, Followed, UNKNOWN, point_of};
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
 use crate::engine::film_contact::{self, FilmContact};
 use crate::engine::nodes::{Nodes, Vectors};
@@ -433,11 +432,7 @@ impl Contact {
         let found = self.rounded.deep_points(pose, &positions, bound, followed, FOLLOWED * self.neighbours.allowance);
         let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
         for DeepestPoint { projection, weights, side, .. } in found.points {
-            let mut point = Vector3::zeros();
-            for a in 0..4 {
-                point += positions[a].coords * weights[a];
-            }
-            let arm = point - pose.translation.vector;
+            let arm = point_of(&positions, &weights) - pose.translation.vector;
             let normal = projection.normal;
             let film = WeightedNodes::new(corners, weights, nodes);
             let inverse_effective_mass =

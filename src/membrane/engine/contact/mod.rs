@@ -36,8 +36,7 @@ use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
 use face_contact::Constraint;
-use impulse_sums::Friction;
-use impulse_sums::ImpulseSums;
+use impulse_sums::{Friction, ImpulseSums};
 use neighbours::NeighbourList;
 use node_contact::{Corrector, NodeContacts, Predictor};
 

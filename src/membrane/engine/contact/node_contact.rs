@@ -3,8 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Impulse;
-use super::impulse_sums::Friction;
-use super::impulse_sums::{ImpulseSums, LaneImpulseSums};
+use super::impulse_sums::{Friction, ImpulseSums, LaneImpulseSums};
 use super::surface::{Nearest, Surface};
 use crate::engine::disjoint::Disjoint;
 use crate::engine::nodes::{Correction, Nodes, Vectors, gather};

@@ -5,8 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use parry3d_f64::math::Vector;
 
-use super::convex::Convex;
-use super::convex::Solid;
+use super::convex::{Convex, Solid};
 use super::projection::Projection;
 use super::vector;
 use crate::lane::{larger, smaller};

@@ -6,6 +6,24 @@ use parry3d_f64::shape::{Ball, TriMesh};
 use super::triangle_minimum::{Minimum, minimum, over_plane};
 use super::*;
 
+/// A sphere, a hemisphere-ended shaft, a cylinder, one with rounded edges, a box, a cone, and a body of two parts.
+pub(super) fn test_shapes() -> Vec<Surface> {
+    let two = || -> Result<Surface, SurfaceError> {
+        let high = Isometry3::translation(0.0, 0.0, 0.09);
+        Surface::compound(vec![(Isometry3::identity(), Surface::sphere(0.04)?), (high, Surface::capsule(0.02, 0.1)?)])
+    };
+    let shapes = [
+        Surface::sphere(0.15),
+        Surface::capsule(0.02, 0.1),
+        Surface::cylinder(0.03, 0.2, 0.0),
+        Surface::cylinder(0.03, 0.2, 0.005),
+        Surface::cuboid([0.1, 0.08, 0.12], 0.01),
+        Surface::cone(0.04, 0.1, 0.004),
+        two(),
+    ];
+    shapes.map(Result::unwrap).into()
+}
+
 /// Points around a body, inside and outside, from a sequence that fills space.
 fn points(reach: f64, count: u32) -> impl Iterator<Item = Vector3<f64>> {
     let share = |k: u32, step: f64| (f64::from(k) * step).fract() * 2.0 - 1.0;

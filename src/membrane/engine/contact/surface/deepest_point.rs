@@ -7,7 +7,9 @@ use parry3d_f64::query::{self, PointQuery};
 use parry3d_f64::shape::{Segment, Triangle};
 
 use super::convex::Solid;
-use super::element_points::{DeepPoints, DeepestPoint, Followed, FollowedPoint, Search, corner_weights, sides};
+use super::element_points::{
+    DeepPoints, DeepestPoint, Followed, FollowedPoint, Search, corner_weights, point_of, sides,
+};
 use super::projection::{Projection, nearest_on_axis};
 use super::triangle_minimum::{Minimum, minimum, over_plane};
 use super::triangles::Nearest;
@@ -167,40 +169,16 @@ fn mean_of(corners: &[Point3<f64>; 4]) -> Point3<f64> {
 
 /// Offers points in `shape` at `pose`.
 fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], search: &mut Search) {
-    let mean = mean_of(corners);
-    // A triangle repeats its last corner, which leaves one of the four without area.
-    let triangles = [[0, 1], [1, 2], [2, 3], [3, 0]];
-    let mut best: Option<DeepestPoint> = None;
-    let mut offer = |weights: [f64; 4]| {
-        // Loops, as in `WeightedNodes`: a sum of vectors is a call.
-        let mut point = Vector3::zeros();
-        for a in 0..4 {
-            point += corners[a].coords * weights[a];
-        }
-        let projection = shape.project(pose, &(point - pose.translation.vector));
-        // Also of points that are too far: it tells how far the element may move before it is looked at again.
-        search.least = search.least.min(projection.distance);
-        if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
-            best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
-        }
-    };
     match shape {
-        Shape::Ball(_) => {
-            for [a, b] in triangles {
-                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-                let nearest = triangle.project_local_point(Vector::ZERO, false).point;
-                offer(corner_weights(a, b, barycentric(&triangle, nearest)));
-            }
-        }
+        Shape::Ball(_) => deepest_of_triangles(shape, pose, corners, search, |triangle| {
+            triangle.project_local_point(Vector::ZERO, false).point
+        }),
         Shape::Capsule(capsule) => {
-            for [a, b] in triangles {
-                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-                let nearest = nearest_to_axis(&triangle, &capsule.segment);
-                offer(corner_weights(a, b, barycentric(&triangle, nearest)));
-            }
+            deepest_of_triangles(shape, pose, corners, search, |triangle| nearest_to_axis(triangle, &capsule.segment))
         }
         Shape::Solid(solid) => deepest_in_solid(solid, pose, corners, search),
         Shape::Bars(bars) => {
+            let mean = mean_of(corners);
             let extent = corners.iter().map(|corner| nalgebra::distance_squared(corner, &mean)).fold(0.0, f64::max);
             let of_mean = shape.project(pose, &(mean.coords - pose.translation.vector));
             // No point of the element is farther from the mean than a corner: one projection sorts out most elements
@@ -210,11 +188,9 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
                 search.least = search.least.min(least);
                 return;
             }
-            for [a, b] in triangles {
-                let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-                let onto = |point: Vector| triangle.project_local_point(point, false).point;
-                offer(corner_weights(a, b, barycentric(&triangle, bars.nearest(triangle.center(), onto))));
-            }
+            deepest_of_triangles(shape, pose, corners, search, |triangle| {
+                bars.nearest(triangle.center(), |point| triangle.project_local_point(point, false).point)
+            });
         }
         Shape::Compound(parts) => {
             // There is one place a triangle, and parts would overwrite those of each other.
@@ -222,6 +198,30 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
             for Part { place, shape, .. } in parts {
                 deepest(shape, &(pose * place), corners, search);
             }
+        }
+    }
+}
+
+/// Offers the deepest point of the four triangles of an element in `shape` at `pose`, of which `nearest` has that of a
+/// triangle about its centre.
+fn deepest_of_triangles(
+    shape: &Shape,
+    pose: &Isometry3<f64>,
+    corners: &[Point3<f64>; 4],
+    search: &mut Search,
+    nearest: impl Fn(&Triangle) -> Vector,
+) {
+    let mean = mean_of(corners);
+    let mut best: Option<DeepestPoint> = None;
+    // A triangle repeats its last corner, which leaves one of the four without area.
+    for [a, b] in sides(4) {
+        let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
+        let weights = corner_weights(a, b, barycentric(&triangle, nearest(&triangle)));
+        let projection = shape.project(pose, &(point_of(corners, &weights) - pose.translation.vector));
+        // Also of points that are too far: it tells how far the element may move before it is looked at again.
+        search.least = search.least.min(projection.distance);
+        if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
+            best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
         }
     }
     best.into_iter().for_each(|point| search.offer(point));
@@ -361,7 +361,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::*;
-    use crate::engine::contact::surface::test_shapes;
+    use crate::engine::contact::surface::convex_tests::test_shapes;
 
     /// A square and a triangle (which repeats its last corner), both with a penetration of 1 mm at the tip.
     #[test]

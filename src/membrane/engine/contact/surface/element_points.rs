@@ -1,6 +1,6 @@
 //! Points of an element that are nearer to a body than a distance, and where they were in the last step.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::projection::Projection;
@@ -35,6 +35,17 @@ pub(super) fn corner_weights(a: usize, b: usize, [wa, wb, wm]: [f64; 3]) -> [f64
     weights[a] += wa;
     weights[b] += wb;
     weights
+}
+
+/// The point of an element that has these `weights` of its corners.
+#[inline(always)]
+pub(in crate::engine::contact) fn point_of(corners: &[Point3<f64>; 4], weights: &[f64; 4]) -> Vector3<f64> {
+    // A loop, as in `WeightedNodes`: a sum of vectors is a call.
+    let mut point = Vector3::zeros();
+    for a in 0..4 {
+        point += corners[a].coords * weights[a];
+    }
+    point
 }
 
 /// The points of an element that are nearer to a body than a distance: the deepest one, or one of each triangle, corner

@@ -161,7 +161,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::*;
-    use crate::engine::contact::surface::test_shapes;
+    use crate::engine::contact::surface::convex_tests::test_shapes;
 
     /// Every shape over every other, both upright, and the same the other way round.
     #[test]

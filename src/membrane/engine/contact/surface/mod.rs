@@ -13,7 +13,7 @@ mod projection;
 mod triangle_minimum;
 mod triangles;
 
-pub(in crate::engine::contact) use element_points::{Clearance, DeepestPoint, Followed, UNKNOWN};
+pub(in crate::engine::contact) use element_points::{Clearance, DeepestPoint, Followed, UNKNOWN, point_of};
 pub(in crate::engine) use meeting::Meeting;
 pub(in crate::engine::contact) use projection::Projection;
 pub(in crate::engine::contact) use triangles::Nearest;
@@ -26,8 +26,7 @@ use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, Shape as _, TriM
 use thiserror::Error;
 
 use bars::Bars;
-use convex::Convex;
-use convex::Solid;
+use convex::{Convex, Solid};
 use features::Features;
 
 /// The impactor's surface about its centre of mass, body axes.
@@ -371,27 +370,9 @@ fn closed_mesh(vertices: &[Point3<f64>], indices: Vec<[u32; 3]>) -> Result<TriMe
     TriMesh::with_flags(vertices, indices, flags).map_err(|_| SurfaceError::NotASurface)
 }
 
-/// A sphere, a hemisphere-ended shaft, a cylinder, one with rounded edges, a box, a cone, and a body of two parts.
-#[cfg(test)]
-fn test_shapes() -> Vec<Surface> {
-    let two = || -> Result<Surface, SurfaceError> {
-        let high = Isometry3::translation(0.0, 0.0, 0.09);
-        Surface::compound(vec![(Isometry3::identity(), Surface::sphere(0.04)?), (high, Surface::capsule(0.02, 0.1)?)])
-    };
-    let shapes = [
-        Surface::sphere(0.15),
-        Surface::capsule(0.02, 0.1),
-        Surface::cylinder(0.03, 0.2, 0.0),
-        Surface::cylinder(0.03, 0.2, 0.005),
-        Surface::cuboid([0.1, 0.08, 0.12], 0.01),
-        Surface::cone(0.04, 0.1, 0.004),
-        two(),
-    ];
-    shapes.map(Result::unwrap).into()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::convex_tests::test_shapes;
     use super::*;
 
     #[test]

@@ -129,7 +129,7 @@ mod tests {
     use parry3d_f64::query::PointProjection;
 
     use super::*;
-    use crate::engine::contact::surface::test_shapes;
+    use crate::engine::contact::surface::convex_tests::test_shapes;
     use crate::lane::{LANES, lanes};
 
     /// A box with edges of the radius e: the distance from a box that is smaller by e on every side, less e.

@@ -119,19 +119,6 @@ impl Default for Nearest {
     }
 }
 
-#[cfg(test)]
-impl Nearest {
-    /// Whether `other` is what was known before.
-    pub(super) fn is_kept(&self, other: &Nearest) -> bool {
-        self.from == other.from && self.others == other.others
-    }
-
-    /// Whether it was found without a search over the whole mesh, since the point lies over a face.
-    pub(super) fn is_under(&self) -> bool {
-        self.others == self.distance
-    }
-}
-
 impl Nearest {
     /// Whether a point that has `moved` since (m) is nearer to the surface than `margin` (m), where that is known: by
     /// the triangle inequality its signed distance has changed by at most that.
@@ -267,6 +254,18 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Nearest {
+        /// Whether `other` is what was known before.
+        pub(in crate::engine::contact::surface) fn is_kept(&self, other: &Nearest) -> bool {
+            self.from == other.from && self.others == other.others
+        }
+
+        /// Whether it was found without a search over the whole mesh, since the point lies over a face.
+        pub(in crate::engine::contact::surface) fn is_under(&self) -> bool {
+            self.others == self.distance
+        }
+    }
 
     /// The volume by the divergence theorem is that of the shape less what flat faces cut off, so that all normals
     /// point outwards.
