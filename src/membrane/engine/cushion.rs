@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::film::Film;
 use super::nodes::Nodes;
-use super::pressure::{ElementLoad, add_volume};
+use super::pressure::{ElementLoad, Gas};
 
 /// Air between the first two faces, whose edges are held. It has one pressure; while film is intact it leaves through
 /// vents alone.
@@ -28,10 +28,7 @@ pub struct Cushion {
 pub(super) struct CushionState {
     /// Of the computed part, kg.
     mass: f64,
-    /// Of the computed part, m³.
-    volume: f64,
-    /// Over that of the surroundings, Pa.
-    pub(super) pressure: f64,
+    pub(super) gas: Gas,
     /// Whether a face is torn, so that there is no pressure.
     pub(super) is_open: bool,
 }
@@ -46,37 +43,18 @@ pub fn area(film: &Film, nodes: &Nodes) -> f64 {
     area
 }
 
-/// Volume between the faces and its gradient at the nodes.
-pub(super) struct Enclosed {
-    /// Of the computed part, up to a constant, m³.
-    pub(super) volume: f64,
-    /// Its derivative by the position of each node of both faces, m², in their order.
-    pub(super) gradient: Vec<Vector3<f64>>,
-}
-
-impl Enclosed {
-    /// Cushion between the first two of `films`, whose nodes come first.
-    pub(super) fn between(films: &[Film], nodes: &Nodes) -> Enclosed {
-        let count = films.iter().take(2).map(|film| film.nodes.end).max().unwrap_or(0);
-        let mut out = Enclosed { volume: 0.0, gradient: vec![Vector3::zeros(); count] };
-        for (film, sign) in films.iter().zip([1.0, -1.0]) {
-            add_volume(film, &nodes.position, sign, &mut out.volume, (0, &mut out.gradient));
-        }
-        out
-    }
-}
-
 impl Cushion {
     /// The air after `dt` (s), in a volume of `volume` (m³); at first that of the surroundings.
     pub(super) fn after(&self, before: Option<CushionState>, volume: f64, dt: f64) -> CushionState {
         let Some(before) = before else {
-            return CushionState { mass: self.density * volume, volume, pressure: 0.0, is_open: false };
+            let gas = Gas { pressure: 0.0, volume };
+            return CushionState { mass: self.density * volume, gas, is_open: false };
         };
         if before.is_open {
-            return CushionState { volume, pressure: 0.0, ..before };
+            return CushionState { gas: Gas { pressure: 0.0, volume }, ..before };
         }
         let mass = self.vented(before.mass, volume, dt);
-        CushionState { mass, volume, pressure: self.pressure(mass, volume), is_open: false }
+        CushionState { mass, gas: Gas { pressure: self.pressure(mass, volume), volume }, is_open: false }
     }
 
     /// Over that of the surroundings, of `mass` (kg) in `volume` (m³), Pa.
@@ -117,13 +95,6 @@ impl Cushion {
     }
 }
 
-impl CushionState {
-    /// Work of the air on the film since `before`, J, by the trapezoidal rule.
-    pub(super) fn work_since(&self, before: Option<CushionState>) -> f64 {
-        before.map_or(0.0, |before| 0.5 * (before.pressure + self.pressure) * (self.volume - before.volume))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,8 +114,8 @@ mod tests {
             let mut largest = 0.0_f64;
             for k in 1..=1000 {
                 let next = air.after(Some(now), volume(k), 1e-5);
-                work += next.work_since(Some(now));
-                largest = largest.max(next.pressure);
+                work += next.gas.work_since(Some(now.gas));
+                largest = largest.max(next.gas.pressure);
                 now = next;
             }
             assert!((largest / (air.ambient * (2.0_f64.powf(exponent) - 1.0)) - 1.0).abs() < 1e-12, "{largest}");
@@ -165,7 +136,7 @@ mod tests {
         }
         let speed: f64 = rate / air.vent;
         let expected = 0.5 * air.density * speed * speed;
-        assert!((now.pressure / expected - 1.0).abs() < 0.01, "{} {expected}", now.pressure);
+        assert!((now.gas.pressure / expected - 1.0).abs() < 0.01, "{} {expected}", now.gas.pressure);
     }
 
     #[test]
@@ -174,8 +145,8 @@ mod tests {
         let first = air.after(None, air.volume, 0.0);
         for factor in [0.9, 1.1] {
             let next = air.after(Some(first), factor * air.volume, 1e-3);
-            let side = (1.0 - factor) * next.pressure;
-            assert!(side >= 0.0 && next.pressure.abs() < 10.0, "{}", next.pressure);
+            let side = (1.0 - factor) * next.gas.pressure;
+            assert!(side >= 0.0 && next.gas.pressure.abs() < 10.0, "{}", next.gas.pressure);
         }
     }
 }

@@ -45,16 +45,13 @@ pub use contact::{Contact, ContactState, Surface, SurfaceError};
 pub use cushion::{Cushion, area};
 pub use element::{ElementDetail, ElementEnergy, ElementStrain, StressFree, TooWide, Torn, UndefinedFibreDirection};
 pub use energy::{Energies, EnergyTerm};
-pub use failure::Failures;
-pub use failure::Fault;
+pub use failure::{Failures, Fault};
 pub use film::{AddedMass, Film};
 pub use film_contact::FilmContactState;
 pub use guide_friction::GuideFriction;
 pub use impact::Impact;
 pub use loads::{Jaw, Loads};
-pub use mount::Mesh;
-pub use mount::Patch;
-pub use mount::Section;
+pub use mount::{Mesh, Patch, Section};
 pub use nodes::{Nodes, Vectors};
 pub use observer::{BodyTrack, Observer, Track, Unobserved, View};
 pub use pressure::{Filling, Inflation};
@@ -70,14 +67,14 @@ use std::ops::Range;
 
 use clamp::Clamping;
 use colouring::Colouring;
-use cushion::{CushionState, Enclosed};
+use cushion::CushionState;
 use disjoint::Disjoint;
 use energy::EnergyLedger;
 use film::SharedFilm;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
 use observer::PreviousStep;
-use pressure::Inflated;
+use pressure::{Enclosed, Gas};
 use serde::{Deserialize, Serialize};
 
 /// Films, nodes, impactors and loads, and their integration in time.
@@ -119,7 +116,7 @@ struct Progress {
     time_step: TimeStep,
     ledger: EnergyLedger,
     /// Pressure and enclosed volume of the last step.
-    inflated: Option<Inflated>,
+    inflated: Option<Gas>,
     /// Air between the first two faces in the last step.
     cushion: Option<CushionState>,
     /// Of the elements that started to tear the one that stored most of what its tear takes, where it stored more.

@@ -1,12 +1,10 @@
 //! Observers of a run and the state that they are shown.
 
-use std::ops::Range;
-
 use super::film_contact::FilmContactState;
 use super::impact::Impact;
 use super::nodes::{Nodes, Vectors};
 use super::rigid_body::RigidBody;
-use super::springs::{SpringLoad, Springs, SpringsState};
+use super::springs::Springs;
 use super::{ContactState, ElementStrain, Engine, Fault, Film, TooWide, Torn, film};
 
 /// Follows a run without changing it.
@@ -133,7 +131,7 @@ impl View<'_> {
     /// Pressure of the air between the first two faces over that of the surroundings, Pa; none where it is not
     /// computed.
     pub fn cushion_pressure(&self) -> Option<f64> {
-        self.engine.progress.cushion.map(|cushion| cushion.pressure)
+        self.engine.progress.cushion.map(|cushion| cushion.gas.pressure)
     }
 
     /// Pressure under the last film (Pa) and the volume between it and where it was mounted, of the whole film (m³);
@@ -153,25 +151,9 @@ impl View<'_> {
         self.engine.clamp.as_ref().map(|clamp| [clamp.slip(self.nodes), clamp.gone()])
     }
 
-    /// State of the frame's springs, where film hangs on them.
-    pub fn springs_state(&self) -> Option<SpringsState> {
-        self.engine.springs.as_ref().map(|springs| springs.state(self.nodes))
-    }
-
-    /// Loads of the frame's springs at some nodes, in the order of their numbers; none where film does not hang on springs.
-    pub fn spring_loads(&self, at: &Range<usize>) -> Vec<SpringLoad> {
-        self.engine.springs.as_ref().map_or_else(Vec::new, |springs| springs.loads(self.nodes, at))
-    }
-
-    /// Vertical force on the frame of the springs on which film hangs, N, positive downwards; none where there are none.
-    pub fn spring_force(&self) -> Option<f64> {
-        self.engine.springs.as_ref().map(Springs::vertical_force)
-    }
-
-    /// Force on the frame along an axis of the springs of these numbers, N, without mirror images; none where film does
-    /// not hang on springs.
-    pub fn spring_force_of(&self, numbers: &[usize], axis: usize) -> Option<f64> {
-        self.engine.springs.as_ref().map(|springs| springs.frame_force(numbers.iter().copied(), axis))
+    /// The frame's springs, where film hangs on them.
+    pub fn springs(&self) -> Option<&Springs> {
+        self.engine.springs.as_ref()
     }
 
     /// Tears of the whole film so far; none where no face has a rupture criterion of its own.

@@ -4,11 +4,12 @@
 //! `F_a = p ∂V/∂x_a`, so its work is exactly `∫ p dV` as long as the edge is held (theory.md, equation 29). The
 //! pressure is given, or that under which `V` follows the gas that is let in (equation 227).
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::Engine;
-use super::cushion::Enclosed;
 use super::film::Film;
 use super::nodes::{Kick, Nodes, Vectors};
 
@@ -52,60 +53,73 @@ fn rise(last: f64, s: f64) -> f64 {
     last * s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 
-/// Pressure of a step and the volume that the film encloses.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Inflated {
-    /// Pa.
+/// Gas that film encloses at one step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Gas {
+    /// Over that of the surroundings, Pa.
     pub(super) pressure: f64,
     /// Of the computed part, up to a constant, m³.
     pub(super) volume: f64,
 }
 
-impl Inflated {
-    /// Work of the pressure since `before`, J, by the trapezoidal rule.
-    pub(super) fn work_since(&self, before: Option<Inflated>) -> f64 {
+impl Gas {
+    /// Work on the film since `before`, J, by the trapezoidal rule.
+    pub(super) fn work_since(&self, before: Option<Gas>) -> f64 {
         before.map_or(0.0, |before| 0.5 * (before.pressure + self.pressure) * (self.volume - before.volume))
     }
 }
 
-/// Adds the load of `pressure` (Pa) on the lower side of the last of `films` to the forces of its nodes.
-pub(super) fn inflate(films: &[Film], nodes: &mut Nodes, pressure: f64) -> Inflated {
-    let mut volume = 0.0;
-    if let Some(film) = films.last() {
+/// Volume that film encloses and its gradient at the nodes.
+pub(super) struct Enclosed {
+    /// Of the computed part, up to a constant, m³.
+    pub(super) volume: f64,
+    /// Its derivative by the position of each of these nodes, m².
+    pub(super) gradient: Vec<Vector3<f64>>,
+    nodes: Range<usize>,
+}
+
+impl Enclosed {
+    fn nothing(nodes: Range<usize>) -> Enclosed {
+        Enclosed { volume: 0.0, gradient: vec![Vector3::zeros(); nodes.len()], nodes }
+    }
+
+    /// Volume under a film.
+    pub(super) fn under(film: &Film, nodes: &Nodes) -> Enclosed {
+        let mut out = Enclosed::nothing(film.nodes.clone());
+        out.add(film, &nodes.position, 1.0);
+        out
+    }
+
+    /// Volume between the first two of `films`, whose nodes come first.
+    pub(super) fn between(films: &[Film], nodes: &Nodes) -> Enclosed {
+        let count = films.iter().take(2).map(|film| film.nodes.end).max().unwrap_or(0);
+        let mut out = Enclosed::nothing(0..count);
+        films.iter().zip([1.0, -1.0]).for_each(|(film, sign)| out.add(film, &nodes.position, sign));
+        out
+    }
+
+    /// Adds `sign` times the volume under a film.
+    fn add(&mut self, film: &Film, position: &Vectors, sign: f64) {
         film.for_each_intact(|corners| {
-            let load = ElementLoad::from_corners(corners, &nodes.position);
+            let load = ElementLoad::from_corners(corners, position);
             for (n, area) in corners.iter().zip(load.areas) {
-                nodes.force.add(*n as usize, (pressure * area).into());
+                self.gradient[*n as usize - self.nodes.start] += sign * area;
             }
-            volume += load.volume;
+            self.volume += sign * load.volume;
         });
     }
-    Inflated { pressure, volume }
+
+    /// Adds the load of `pressure` (Pa) to the forces of the nodes.
+    fn press(&self, pressure: f64, nodes: &mut Nodes) {
+        for (n, gradient) in self.nodes.clone().zip(&self.gradient) {
+            nodes.force.add(n, (pressure * gradient).into());
+        }
+    }
 }
 
 /// Volume under the last of `films`, up to a constant, m³.
 pub(super) fn volume(films: &[Film], nodes: &Nodes) -> f64 {
-    let mut volume = 0.0;
-    if let Some(film) = films.last() {
-        film.for_each_intact(|corners| volume += ElementLoad::from_corners(corners, &nodes.position).volume);
-    }
-    volume
-}
-
-/// Adds `sign` times the volume under a film, up to a constant, to `volume` (m³), and its gradient (m²) to that of the
-/// nodes from node `first` on.
-pub(super) fn add_volume(
-    film: &Film,
-    position: &Vectors,
-    sign: f64,
-    volume: &mut f64,
-    (first, gradient): (usize, &mut [Vector3<f64>]),
-) {
-    film.for_each_intact(|corners| {
-        let load = ElementLoad::from_corners(corners, position);
-        corners.iter().zip(load.areas).for_each(|(n, area)| gradient[*n as usize - first] += sign * area);
-        *volume += sign * load.volume;
-    });
+    films.last().map_or(0.0, |film| Enclosed::under(film, nodes).volume)
 }
 
 /// The load on an element under unit pressure.
@@ -147,10 +161,23 @@ fn quad(x: [Vector3<f64>; 4]) -> ElementLoad {
 }
 
 impl Engine {
-    /// Adds the load of the pressure, if there is one, and its work to the ledger.
+    /// Adds the load of the pressure on the lower side of the last film, if there is one, and its work to the ledger.
     pub(super) fn inflate(&mut self) {
-        let Some(inflation) = &self.loads.inflation else { return };
-        let now = inflate(&self.films, &mut self.nodes, inflation.pressure_at(self.progress.time));
+        let (Some(inflation), Some(film)) = (&self.loads.inflation, self.films.last()) else { return };
+        let (nodes, mut now) =
+            (&mut self.nodes, Gas { pressure: inflation.pressure_at(self.progress.time), volume: 0.0 });
+        film.for_each_intact(|corners| {
+            let load = ElementLoad::from_corners(corners, &nodes.position);
+            for (n, area) in corners.iter().zip(load.areas) {
+                nodes.force.add(*n as usize, (now.pressure * area).into());
+            }
+            now.volume += load.volume;
+        });
+        self.count_inflation(now);
+    }
+
+    /// Adds the work of the gas under the last film since the last step to the ledger.
+    fn count_inflation(&mut self, now: Gas) {
         self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.inflated));
         self.progress.inflated = Some(now);
     }
@@ -169,13 +196,11 @@ impl Engine {
         }
         let Some(film) = self.films.last() else { return };
         let nodes = &mut self.nodes;
-        let mut gradient = vec![Vector3::zeros(); film.nodes.len()];
-        let mut volume = 0.0;
-        add_volume(film, &nodes.position, 1.0, &mut volume, (film.nodes.start, &mut gradient));
+        let enclosed = Enclosed::under(film, nodes);
         let kick = Kick::new(over, self.loads.damping);
         // Growth of the volume without gas, and by a pressure of 1 Pa.
         let (mut growth, mut response) = (0.0, 0.0);
-        for (area, n) in gradient.iter().zip(film.nodes.clone()) {
+        for (area, n) in enclosed.gradient.iter().zip(film.nodes.clone()) {
             let (inverse_mass, velocity, force) =
                 (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
             for axis in 0..3 {
@@ -189,13 +214,9 @@ impl Engine {
         }
         let target = self.flat_volume + filling.volume_at(self.progress.time + dt);
         // Linear in the pressure, since it acts on velocities by one kick: no iteration (theory.md, equation 227).
-        let pressure = ((target - volume) / dt - growth) / response;
-        for (area, n) in gradient.iter().zip(film.nodes.clone()) {
-            nodes.force.add(n, (pressure * area).into());
-        }
-        let now = Inflated { pressure, volume };
-        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.inflated));
-        self.progress.inflated = Some(now);
+        let pressure = ((target - enclosed.volume) / dt - growth) / response;
+        enclosed.press(pressure, nodes);
+        self.count_inflation(Gas { pressure, volume: enclosed.volume });
     }
 
     /// Adds the load of the air between the first two faces `dt` (s) after the last step, if it is computed, and its
@@ -204,10 +225,9 @@ impl Engine {
         let Some(air) = &self.loads.cushion else { return };
         let enclosed = Enclosed::between(&self.films, &self.nodes);
         let now = air.after(self.progress.cushion, air.volume + enclosed.volume - self.mounted_volume, dt);
-        for (n, gradient) in enclosed.gradient.iter().enumerate() {
-            self.nodes.force.add(n, (now.pressure * gradient).into());
-        }
-        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.work_since(self.progress.cushion));
+        enclosed.press(now.gas.pressure, &mut self.nodes);
+        let before = self.progress.cushion.map(|before| before.gas);
+        self.progress.ledger.external.add_at_once(-self.loads.multiplicity * now.gas.work_since(before));
         self.progress.cushion = Some(now);
     }
 }

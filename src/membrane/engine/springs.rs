@@ -102,12 +102,12 @@ impl Springs {
     }
 
     /// Force that the springs of these numbers have on the frame in the last pass along an axis, N, without mirror images.
-    pub(super) fn frame_force(&self, numbers: impl Iterator<Item = usize>, axis: usize) -> f64 {
-        numbers.filter_map(|number| self.forces.get(number)).map(|force| -force[axis]).sum()
+    pub fn frame_force(&self, numbers: impl IntoIterator<Item = usize>, axis: usize) -> f64 {
+        numbers.into_iter().filter_map(|number| self.forces.get(number)).map(|force| -force[axis]).sum()
     }
 
     /// Vertical force of the whole film on the frame in the last pass, N, positive downwards.
-    pub(super) fn vertical_force(&self) -> f64 {
+    pub fn vertical_force(&self) -> f64 {
         -self.multiplicity * self.frame_force(0..self.springs.len(), 2)
     }
 
@@ -129,7 +129,7 @@ impl Springs {
     }
 
     /// The loads of those at some nodes, in the order of their numbers; their forces are those of the last pass.
-    pub(super) fn loads(&self, nodes: &Nodes, at: &Range<usize>) -> Vec<SpringLoad> {
+    pub fn loads(&self, nodes: &Nodes, at: &Range<usize>) -> Vec<SpringLoad> {
         let load = |(number, spring): (usize, &Spring)| {
             let Stretched { direction, elongation } = spring.stretched(nodes);
             let force = self.forces.get(number).map_or(0.0, |force| force.dot(&direction));
@@ -140,7 +140,7 @@ impl Springs {
     }
 
     /// Their state.
-    pub(super) fn state(&self, nodes: &Nodes) -> SpringsState {
+    pub fn state(&self, nodes: &Nodes) -> SpringsState {
         let mut state = SpringsState { elongation: f64::NEG_INFINITY, force: 0.0, slack: 0.0 };
         for (number, spring) in self.springs.iter().enumerate() {
             let elongation = spring.stretched(nodes).elongation;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cushion::Enclosed;
 use super::film::{self, AddedMass, Film};
 use super::nodes::Nodes;
+use super::pressure::Enclosed;
 use super::thread_pool::ThreadPool;
 use super::{Fault, Loads, Progress};
 

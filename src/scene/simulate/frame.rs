@@ -240,7 +240,7 @@ impl HeldSides {
         let sides = || self.across(axis).filter(|held| !held.nodes.is_empty());
         let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
         let force = |held: &HeldSide| {
-            let of_springs = view.spring_force_of(&held.springs, axis);
+            let of_springs = view.springs().map(|springs| springs.frame_force(held.springs.iter().copied(), axis));
             of_springs.unwrap_or_else(|| view.nodes.total_force(&held.nodes, axis))
         };
         let inward = |held: &HeldSide| -sign_outward(held.side) * force(held);

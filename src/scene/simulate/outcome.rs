@@ -223,11 +223,12 @@ pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed
 }
 
 fn detail(view: &View<'_>, film: &engine::Film, strains: &[ElementStrain], details: &[ElementDetail]) -> Detail {
+    let springs = view.springs().map_or(vec![], |springs| springs.loads(view.nodes, &film.nodes));
     let mut out = Detail {
         velocities: film.nodes.clone().map(|n| view.velocity(n).map(|v| v as f32)).collect(),
         peaks: strains.iter().map(|s| s.peak.map(|e| e as f32)).collect(),
         left: strains.iter().map(|s| s.left.map(|e| e as f32)).collect(),
-        springs: view.spring_loads(&film.nodes).into_iter().map(spring).collect(),
+        springs: springs.into_iter().map(spring).collect(),
         ..Detail::default()
     };
     for ElementDetail { stress, fibres, .. } in details {

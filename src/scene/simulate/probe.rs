@@ -234,7 +234,7 @@ impl<'a> Probe<'a> {
             crest: &self.crest,
             rise: self.loading.has_rise().then(|| self.record.rise.largest(view)),
             clamp: view.clamp_slip(),
-            springs: view.springs_state(),
+            springs: view.springs().map(|springs| springs.state(view.nodes)),
             films: view.film_contact_state(),
             torn: view.torn(),
         };

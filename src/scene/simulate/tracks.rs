@@ -9,7 +9,7 @@ use super::frame::{Crest, HeldSides};
 use super::mount::Grid;
 use lab::signal::column::{self, Column};
 use lab::signal::{Channel, Recording};
-use membrane::engine::{BodyTrack, FilmContactState, SpringsState, Torn, Track, View};
+use membrane::engine::{BodyTrack, FilmContactState, Springs, SpringsState, Torn, Track, View};
 
 /// The samples of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -294,7 +294,9 @@ const SAMPLED: &[Sampled] = &[
     sampled(column::FRAME_FORCE_Y, |s| s.held.force(s.view, 1)),
     Sampled {
         finish: on_bars,
-        ..sampled(column::FRAME_FORCE, |s| s.crest.force(s.view.nodes).or_else(|| s.view.spring_force()))
+        ..sampled(column::FRAME_FORCE, |s| {
+            s.crest.force(s.view.nodes).or_else(|| s.view.springs().map(Springs::vertical_force))
+        })
     },
     sampled(column::CLAMP_SLIP, |s| s.clamp.map(|[slip, _]| slip)),
     sampled(column::SPRING_ELONGATION, |s| Some(s.springs?.elongation)),
