@@ -10,23 +10,26 @@ use serde::{Deserialize, Serialize};
 
 use super::colouring::first_fit;
 use super::disjoint::Disjoint;
-use super::element::{Common, ElementDetail, ElementEnergy, ElementGroup, ElementStrain, Forces, Tearing, Torn, place};
+use super::element::{
+    Common, ElementDetail, ElementEnergy, ElementGroup, ElementStrain, Forces, OwnForces, Tearing, Torn, place,
+};
 use super::failure::Failures;
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
 use super::tips::{Events, MirrorPlane, Start, TearingFilm, Tips};
 use crate::lane::{LANES, Width};
-use crate::material::Rupture;
+use crate::material::{LawProperties, Rupture};
 
 /// A face of film ready to be stepped.
 #[derive(Clone)]
 pub struct Film {
     chunks: Vec<Chunk>,
+    law: LawProperties,
     /// kg/m³, with mass scaling.
     density: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
-    /// Which of all nodes are this face's; elements count theirs from the first of them.
+    /// Which of all nodes are this face's.
     pub nodes: Range<usize>,
     /// Its mirror planes, across x and y.
     mirrors: [MirrorPlane; 2],
@@ -48,6 +51,11 @@ impl Chunk {
     /// Number of its elements.
     fn len(&self) -> usize {
         self.group.common().count
+    }
+
+    /// Adds its forces, of nodes that moved to `position` in `dt` (s), to `force`.
+    pub(super) fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) {
+        self.failed = self.group.add_forces(width, position, dt, force);
     }
 
     /// Its tears, where film has a rupture criterion of its own.
@@ -74,14 +82,16 @@ pub struct AddedMass {
 }
 
 impl Film {
-    /// A film of `groups` of elements, each a chunk, on its `nodes` among all; `density` in kg/m³, `thickness` in m.
+    /// A film of `groups` of elements of a `law`, each a chunk, on its `nodes` among all; `density` in kg/m³, `thickness`
+    /// in m.
     pub(super) fn new(
         groups: Vec<Box<dyn ElementGroup>>,
+        law: LawProperties,
         [density, thickness]: [f64; 2],
         nodes: Range<usize>,
         mirrors: [MirrorPlane; 2],
     ) -> Film {
-        let of_group: Vec<Vec<u32>> = groups.iter().map(|group| nodes_of(&**group, 0)).collect();
+        let of_group: Vec<Vec<u32>> = groups.iter().map(|group| nodes_of(&**group)).collect();
         let mut first = 0;
         let chunk = |(group, colour): (Box<dyn ElementGroup>, usize)| {
             let chunk = Chunk { colour, first, failed: false, group };
@@ -89,7 +99,7 @@ impl Film {
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
-        Film { chunks, density, thickness, nodes, mirrors, tips: None }
+        Film { chunks, law, density, thickness, nodes, mirrors, tips: None }
     }
 
     /// Density with mass scaling, kg/m³.
@@ -104,22 +114,17 @@ impl Film {
 
     /// Whether its law admits stretches up to a limit only.
     pub fn has_limit(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.traits().has_limit)
+        self.law.has_limit
     }
 
     /// Whether its law has a plastic strain.
     pub fn is_plastic(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.traits().is_plastic)
+        self.law.is_plastic
     }
 
     /// Whether its law defines its thickness.
     pub fn has_thickness(&self) -> bool {
-        self.chunks.iter().any(|chunk| chunk.group.traits().has_thickness)
-    }
-
-    /// Number of history variables of its elements.
-    pub(super) fn variables(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.group.variables()).sum()
+        self.law.has_thickness
     }
 
     /// History variables of its elements: element by element, quads first, whatever the chunks and blocks that hold them.
@@ -142,30 +147,21 @@ impl Film {
         self.find_tips();
     }
 
-    /// Calls `show` with the nodes of every element that is not deleted, counted among all nodes.
+    /// Calls `show` with the nodes of every element that is not deleted.
     pub fn for_each_intact(&self, mut show: impl FnMut(&[u32])) {
-        let first = self.nodes.start as u32;
-        for chunk in &self.chunks {
-            let corners = &chunk.group.common().corners;
-            for element in chunk.group.elements(true) {
-                let mut nodes = [0; 4];
-                let of = corners.of(element);
-                nodes.iter_mut().zip(of).for_each(|(node, own)| *node = first + own);
-                show(&nodes[..of.len()]);
-            }
+        for Chunk { group, .. } in &self.chunks {
+            group.elements(true).for_each(|element| show(group.common().corners.of(element)));
         }
     }
 
-    /// Colour and nodes of each chunk, counted among all nodes.
+    /// Colour and nodes of each chunk.
     pub(super) fn chunks(&self) -> impl Iterator<Item = (usize, Vec<u32>)> {
-        let first = self.nodes.start as u32;
-        self.chunks.iter().map(move |chunk| (chunk.colour, nodes_of(&*chunk.group, first)))
+        self.chunks.iter().map(|chunk| (chunk.colour, nodes_of(&*chunk.group)))
     }
 
-    /// Shares the film among threads, which add its forces to `force`, that of its own nodes.
-    pub(super) fn share<'a>(&'a mut self, force: [&'a mut [f64]; 3]) -> SharedFilm<'a> {
-        let nodes = self.nodes.clone();
-        SharedFilm { chunks: Disjoint::new(&mut self.chunks), forces: Forces::new(force), nodes }
+    /// Shares its chunks among threads, which add their forces.
+    pub(super) fn share(&mut self) -> Disjoint<'_, Chunk> {
+        Disjoint::new(&mut self.chunks)
     }
 
     /// Adds the film's forces to those of its nodes, which moved to their positions in `dt` (s), and updates the
@@ -174,12 +170,11 @@ impl Film {
         let mut order: Vec<usize> = (0..self.chunks.len()).collect();
         // The order of the pool, so that forces have the same bits with it and without.
         order.sort_by_key(|chunk| self.chunks[*chunk].colour);
-        let own = self.nodes.clone();
         let Nodes { position, force, .. } = nodes;
-        let film = self.share(force.axes_mut().map(|axis| &mut axis[own.clone()]));
+        let forces = Forces::new(force.axes_mut());
         for chunk in order {
             // SAFETY: there is one thread.
-            unsafe { film.add_forces(Width::best(), chunk, position.axes(), dt) };
+            self.chunks[chunk].add_forces(Width::best(), &position.axes(), dt, unsafe { forces.own() });
         }
     }
 
@@ -190,15 +185,13 @@ impl Film {
         nodes.clear_forces();
         let own: f64 = nodes.mass[self.nodes.clone()].iter().sum();
         let mut added = AddedMass { own, ..AddedMass::default() };
-        let first = self.nodes.start;
-        let position = nodes.position.axes().map(|axis| axis[self.nodes.clone()].to_vec());
-        let position = position.each_ref().map(Vec::as_slice);
+        let position = nodes.position.clone();
         let mut add = |corners: &[u32], mass: f64| {
             added.elements += 1;
             added.mass += mass * corners.len() as f64;
-            corners.iter().for_each(|node| nodes.add_mass(first + *node as usize, mass));
+            corners.iter().for_each(|node| nodes.add_mass(*node as usize, mass));
         };
-        self.chunks.iter_mut().for_each(|chunk| chunk.group.add_mass(self.density, most, &position, &mut add));
+        self.chunks.iter_mut().for_each(|chunk| chunk.group.add_mass(self.density, most, &position.axes(), &mut add));
         added
     }
 
@@ -211,8 +204,7 @@ impl Film {
 
     /// Stress, thickness and fibres of every element, quads first; `position` is that of all nodes.
     pub fn details(&self, position: &Vectors) -> Vec<ElementDetail> {
-        let position = self.own(position.axes());
-        self.chunks.iter().flat_map(|chunk| chunk.group.details(&position)).collect()
+        self.chunks.iter().flat_map(|chunk| chunk.group.details(&position.axes())).collect()
     }
 
     /// Energies of the film alone, J.
@@ -229,7 +221,6 @@ impl Film {
     /// fibres; mass stays at the nodes. `position`, to which the nodes moved in `dt` (s), is that of all nodes. Whether it
     /// `looks` at tips of tears where film stores little of the work done on it.
     pub fn fail(&mut self, position: [&[f64]; 3], dt: f64, looks: bool) -> Failures {
-        let position = self.own(position);
         let mut total = Failures::default();
         // The pass over forces has flagged them: nearly always there is none, and no element is looked at.
         for chunk in self.chunks.iter_mut().filter(|chunk| chunk.failed) {
@@ -275,8 +266,7 @@ impl Film {
     /// frame) pass and whose middle lies beside them, and those at its bends. Mass stays at the nodes. The number of
     /// the elements.
     pub fn cut(&mut self, nodes: &Nodes, corners: &[[f64; 2]]) -> usize {
-        let first = self.nodes.start;
-        let at = |node: &u32| nodes.position_of(first + *node as usize).xy();
+        let at = |node: &u32| nodes.position_of(*node as usize).xy();
         let crossed = |element: &[u32]| {
             let of_element: Vec<Point2<f64>> = element.iter().map(at).collect();
             let is_bend = |corner: &[f64; 2]| contains(&of_element, (*corner).into());
@@ -299,7 +289,7 @@ impl Film {
         if !self.has_rupture() {
             return;
         }
-        let mut open = vec![false; self.nodes.len()];
+        let mut open = vec![false; self.nodes.end];
         for group in self.groups() {
             for element in group.elements(false).filter(|element| group.is_open(*element)) {
                 group.common().corners.of(element).iter().for_each(|node| open[*node as usize] = true);
@@ -317,7 +307,7 @@ impl Film {
         }
         let tips = self.tips.take();
         let groups = self.groups();
-        let mut tips = tips.unwrap_or_else(|| Box::new(Tips::new(&groups, self.nodes.len(), &self.mirrors)));
+        let mut tips = tips.unwrap_or_else(|| Box::new(Tips::new(&groups, self.nodes.end, &self.mirrors)));
         tips.find(&groups);
         self.tips = Some(tips);
     }
@@ -349,11 +339,6 @@ impl Film {
     fn groups(&self) -> Vec<&dyn ElementGroup> {
         self.chunks.iter().map(|chunk| &*chunk.group).collect()
     }
-
-    /// The part of an array over all nodes that belongs to the film's own, an axis each.
-    fn own<'a>(&self, axes: [&'a [f64]; 3]) -> [&'a [f64]; 3] {
-        axes.map(|axis| &axis[self.nodes.clone()])
-    }
 }
 
 /// Whether the line between two points passes through an element with these corners, whose middle lies beside it. Where
@@ -375,38 +360,16 @@ fn contains(corners: &[Point2<f64>], point: Point2<f64>) -> bool {
     corners.iter().zip(next).all(|(from, to)| (to - from).perp(&(point - from)) >= 0.0)
 }
 
-/// Nodes of all elements of a group, counted from `first`.
-fn nodes_of(group: &dyn ElementGroup, first: u32) -> Vec<u32> {
+/// Nodes of all elements of a group.
+fn nodes_of(group: &dyn ElementGroup) -> Vec<u32> {
     let corners = &group.common().corners;
-    group.elements(false).flat_map(|element| corners.of(element)).map(|node| first + node).collect()
-}
-
-/// A film whose forces several threads add, each those of its own chunks.
-pub(super) struct SharedFilm<'a> {
-    chunks: Disjoint<'a, Chunk>,
-    forces: Forces<'a>,
-    nodes: Range<usize>,
-}
-
-impl SharedFilm<'_> {
-    /// Adds the forces of one chunk; `position`, to which the nodes moved in `dt` (s), is that of all nodes.
-    ///
-    /// # Safety
-    /// No other thread may add those of this chunk, or of one that shares a node with it, at the same time.
-    pub(super) unsafe fn add_forces(&self, width: Width, chunk: usize, position: [&[f64]; 3], dt: f64) {
-        let [x, y, z] = position;
-        let nodes = &self.nodes;
-        let position = [&x[nodes.clone()], &y[nodes.clone()], &z[nodes.clone()]];
-        // SAFETY: by the contract no other thread accesses this chunk or its nodes.
-        let (chunk, force) = unsafe { (self.chunks.entry(chunk), self.forces.own()) };
-        chunk.failed = chunk.group.add_forces(width, &position, dt, force);
-    }
+    group.elements(false).flat_map(|element| corners.of(element)).copied().collect()
 }
 
 /// Energies of each film, J; `position` is that of all nodes.
 pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<ElementEnergy> {
     let mut totals = vec![ElementEnergy::default(); films.len()];
-    let parts = for_each_chunk(films, pool, |f, chunk| chunk.group.energy(pool.width(), &films[f].own(position)));
+    let parts = for_each_chunk(films, pool, |_, chunk| chunk.group.energy(pool.width(), &position));
     // In the order of the chunks, not in that in which threads were done.
     parts.iter().for_each(|(film, energy)| totals[*film].add(energy));
     totals
@@ -415,9 +378,8 @@ pub(super) fn energies(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3])
 /// Bound on the squared angular frequency of each film, rad²/s².
 pub(super) fn frequency_bounds(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3]) -> Vec<f64> {
     let mut largest = vec![0.0_f64; films.len()];
-    let parts = for_each_chunk(films, pool, |f, chunk| {
-        chunk.group.frequency_bound(pool.width(), films[f].density, &films[f].own(position))
-    });
+    let parts =
+        for_each_chunk(films, pool, |f, chunk| chunk.group.frequency_bound(pool.width(), films[f].density, &position));
     for (film, squared) in parts {
         let most = &mut largest[film];
         *most = if squared <= *most || most.is_nan() { *most } else { squared };
@@ -435,7 +397,7 @@ pub(super) fn strains(films: &[Film], pool: &ThreadPool, position: [&[f64]; 3], 
     for_each_chunk(films, pool, |f, chunk| {
         // SAFETY: every chunk comes up once and writes to its own elements alone.
         let own = unsafe { faces[f].range(chunk.first..chunk.first + chunk.len()) };
-        chunk.group.strains(pool.width(), &films[f].own(position), own);
+        chunk.group.strains(pool.width(), &position, own);
     });
 }
 

@@ -69,8 +69,9 @@ use clamp::Clamping;
 use colouring::Colouring;
 use cushion::CushionState;
 use disjoint::Disjoint;
+use element::Forces;
 use energy::EnergyLedger;
-use film::SharedFilm;
+use film::Chunk;
 use film_contact::FilmContact;
 use nodes::{Kick, StepSums};
 use observer::PreviousStep;
@@ -337,17 +338,8 @@ impl Engine {
     /// Adds the forces of the films and of the frame's springs to those of the nodes.
     fn add_forces(&mut self, dt: f64) {
         let position = self.nodes.position.axes();
-        // Each film gets its own part of the arrays, which is all that its chunks may write to.
-        let mut rest = self.nodes.force.axes_mut();
-        let mut films: Vec<SharedFilm<'_>> = Vec::with_capacity(self.films.len());
-        for film in &mut self.films {
-            let own = rest.each_mut().map(|axis| {
-                let (own, others) = std::mem::take(axis).split_at_mut(film.nodes.len());
-                *axis = others;
-                own
-            });
-            films.push(film.share(own));
-        }
+        let forces = Forces::new(self.nodes.force.axes_mut());
+        let films: Vec<Disjoint<'_, Chunk>> = self.films.iter_mut().map(Film::share).collect();
         let width = self.pool.width();
         // Colour after colour: chunks of one share no node, so each node is summed in one order for any number of
         // threads.
@@ -355,10 +347,10 @@ impl Engine {
             self.pool.each(colour.len(), |part| {
                 let (film, chunk) = self.chunks[colour[part]];
                 // SAFETY: the colouring holds each chunk once, and those of one colour share no node.
-                unsafe { films[film].add_forces(width, chunk, position, dt) };
+                let (chunk, force) = unsafe { (films[film].entry(chunk), forces.own()) };
+                chunk.add_forces(width, &position, dt, force);
             });
         }
-        drop(films);
         if let Some(springs) = &mut self.springs {
             springs.add_forces(&mut self.nodes);
         }

@@ -36,21 +36,26 @@ impl Film {
         nodes: &mut Nodes,
     ) -> Result<Film, UndefinedFibreDirection> {
         let stress_free = StressFree::new(section.md_angle, section.prestrain);
-        let mount = Mount { mesh, section, stress_free, masses: vec![0.0; mesh.nodes.len()], groups: vec![] };
+        let first = nodes.position.len() as u32;
+        let mount = Mount { mesh, first, section, stress_free, masses: vec![0.0; mesh.nodes.len()], groups: vec![] };
         let Mount { masses, groups, .. } = section.law.visit(mount)?;
-        let first = nodes.position.len();
         nodes.extend(mesh.nodes.iter().map(|p| [p.x, p.y, p.z + height]), &masses);
         let (sin, cos) = section.md_angle.sin_cos();
-        let [x, y] = mesh.mirrors.clone();
-        // x and y along MD and TD.
-        let mirrors = [MirrorPlane { nodes: x, normal: [cos, -sin] }, MirrorPlane { nodes: y, normal: [sin, cos] }];
-        Ok(Film::new(groups, [section.density, section.thickness], first..nodes.position.len(), mirrors))
+        let plane = |axis: usize, normal| {
+            // x and y along MD and TD.
+            MirrorPlane { nodes: mesh.mirrors[axis].iter().map(|node| first + node).collect(), normal }
+        };
+        let mirrors = [plane(0, [cos, -sin]), plane(1, [sin, cos])];
+        let law = section.law.properties();
+        Ok(Film::new(groups, law, [section.density, section.thickness], first as usize..nodes.position.len(), mirrors))
     }
 }
 
 /// A film while its elements are built.
 struct Mount<'a> {
     mesh: &'a Mesh,
+    /// Number of its first node among all.
+    first: u32,
     section: &'a Section,
     stress_free: StressFree,
     /// Of the nodes so far, kg.
@@ -103,7 +108,8 @@ impl Mount<'_> {
                 let share = density * thickness * element.area() / NODES as f64;
                 nodes.iter().for_each(|n| self.masses[*n as usize] += share);
             }
-            let mut elements = Elements::new(Arc::clone(law), nodes, &elements, thickness);
+            let nodes: Vec<[u32; NODES]> = nodes.iter().map(|nodes| nodes.map(|node| self.first + node)).collect();
+            let mut elements = Elements::new(Arc::clone(law), &nodes, &elements, thickness);
             if let Some(law) = &viscous {
                 elements = elements.with_viscosity(law.clone());
             }

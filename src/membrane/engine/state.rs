@@ -97,7 +97,7 @@ impl Engine {
         }
         same("faces", state.films.len(), self.films.len())?;
         for (history, film) in state.films.iter().zip(&self.films) {
-            same("history variables", history.len(), film.variables())?;
+            same("history variables", history.len(), film.save().len())?;
         }
         same("impactors", state.impacts.len(), self.impacts.len())?;
         let listed = state.impacts.iter().all(|impact| impact.contact.0.fits(nodes));

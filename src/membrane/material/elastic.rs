@@ -110,9 +110,4 @@ impl MembraneLaw for Elastic {
     fn moduli(&self) -> [f64; 2] {
         [self.plane(); 2]
     }
-
-    #[inline(always)]
-    fn break_strains<const L: usize>(&self, _history: &PeakStrains<L>) -> [Lane<L>; 2] {
-        [splat(f64::INFINITY); 2]
-    }
 }

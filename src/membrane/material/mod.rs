@@ -214,7 +214,10 @@ pub trait MembraneLaw {
     /// Slopes of the law at rest along MD and TD, of a fabric those of its own curves, Pa.
     fn moduli(&self) -> [f64; 2];
     /// Strains at which the MD and TD fibres of the first layer break.
-    fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2];
+    #[inline(always)]
+    fn break_strains<const L: usize>(&self, _history: &Self::History<L>) -> [Lane<L>; 2] {
+        [splat(f64::INFINITY); 2]
+    }
     /// Share of the layers in which fibres strained to `ratio` times the strain at which the first layer breaks are not
     /// broken.
     fn share_left(&self, ratio: f64) -> f64 {
@@ -244,6 +247,21 @@ pub trait MembraneLaw {
     }
 }
 
+/// Properties of a law, whatever its deformation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawProperties {
+    /// As of [`MembraneLaw::break_range`].
+    pub break_range: [[f64; 2]; 2],
+    /// Measure that a Prony series on it needs; none where it cannot have one.
+    pub viscous: Option<ViscousBase>,
+    /// Whether it admits stretches up to a limit only.
+    pub has_limit: bool,
+    /// Whether it defines the thickness.
+    pub has_thickness: bool,
+    /// Whether it has a plastic strain.
+    pub is_plastic: bool,
+}
+
 /// The law of a film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
@@ -264,12 +282,12 @@ pub enum Law {
 impl Law {
     /// Strains at which the MD and TD fibres break when they are strained slowly.
     pub fn break_strains(&self) -> [f64; 2] {
-        self.break_range()[0]
+        self.properties().break_range[0]
     }
 
     /// Strains at which the MD and TD fibres are broken however fast they were strained.
     pub fn largest_break_strains(&self) -> [f64; 2] {
-        self.break_range()[1]
+        self.properties().break_range[1]
     }
 
     /// This law of layers that break one after another; a law without fibres is as it was.
@@ -293,29 +311,28 @@ impl Law {
         ranges.into_iter().flatten().reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
 
-    fn break_range(&self) -> [[f64; 2]; 2] {
-        struct BreakRange;
-        impl LawVisitor for BreakRange {
-            type Output = [[f64; 2]; 2];
+    /// Its properties.
+    pub fn properties(&self) -> LawProperties {
+        struct Properties;
+        impl LawVisitor for Properties {
+            type Output = LawProperties;
 
-            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> [[f64; 2]; 2] {
-                law.break_range()
+            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> LawProperties {
+                LawProperties {
+                    break_range: law.break_range(),
+                    viscous: law.viscous(),
+                    has_limit: law.has_limit(),
+                    has_thickness: law.has_thickness(),
+                    is_plastic: law.plastic_strain(&M::History::<1>::virgin()).is_some(),
+                }
             }
         }
-        self.visit(BreakRange)
+        self.visit(Properties)
     }
 
     /// Measure that a Prony series on the law needs; none where it cannot have one.
     pub fn viscous(&self) -> Option<ViscousBase> {
-        struct Viscous;
-        impl LawVisitor for Viscous {
-            type Output = Option<ViscousBase>;
-
-            fn visit<M: MembraneLaw + Clone + Send + Sync + 'static>(self, law: &M) -> Option<ViscousBase> {
-                law.viscous()
-            }
-        }
-        self.visit(Viscous)
+        self.properties().viscous
     }
 
     /// First Piola–Kirchhoff stress ∂W/∂f₁, ∂W/∂f₂ of virgin film at the gradient f₁, f₂, reached slowly, Pa of one layer.

@@ -106,11 +106,6 @@ impl MembraneLaw for TensionField {
     fn moduli(&self) -> [f64; 2] {
         [self.0.plane(); 2]
     }
-
-    #[inline(always)]
-    fn break_strains<const L: usize>(&self, _history: &PeakStrains<L>) -> [Lane<L>; 2] {
-        [splat(f64::INFINITY); 2]
-    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Elements side by side, in blocks of lanes: what passes over a film compute of them.
 
+use super::kernel::{ElementEnergy, ElementStrain};
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, splat};
-use crate::material::{Deformation, Densities, Energy, History, MembraneLaw, Stiffness, Stresses, strains, stresses};
+use crate::material::{Deformation, Energy, History, MembraneLaw, Stiffness, Stresses, strains, stresses};
 
 /// `L` elements of one kind with `NODES` nodes each, of film with the law `M`.
 pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clone + Send + Sync {
@@ -30,7 +31,7 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
     ) -> bool;
 
     /// Energies of the elements with nodes at `x`.
-    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L>;
+    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> ElementEnergy<Lane<L>>;
 
     /// Bound on density × squared angular frequency × volume / nodes, summed over the points (theory.md, equation 17).
     fn stiffness(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> Lane<L>;
@@ -66,8 +67,9 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
 
     /// Strains, averaged over the points.
     #[inline(always)]
-    fn strains(&self, x: &[Lane3<L>; NODES]) -> BlockStrains<L> {
-        let mut out = BlockStrains { strain: [splat(0.0); 3], peak: [splat(0.0); 2], left: [splat(1.0); 2] };
+    fn strains(&self, x: &[Lane3<L>; NODES]) -> ElementStrain<Lane<L>> {
+        let (zero, volume) = (splat(0.0), self.volume());
+        let mut out = ElementStrain { strain: [zero; 3], peak: [zero; 2], left: [splat(1.0); 2], volume };
         for (point, (history, _)) in self.history().enumerate() {
             let s = strains(&self.deformation_at(point, x));
             for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
@@ -164,42 +166,6 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
         }
         least
     }
-}
-
-/// Energies of the elements of one block, J.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BlockEnergies<const L: usize> {
-    /// Returned on unloading.
-    pub stored: Lane<L>,
-    /// Absorbed by the law.
-    pub absorbed: Lane<L>,
-    /// In the stabilisation against hourglass modes.
-    pub hourglass: Lane<L>,
-}
-
-impl<const L: usize> BlockEnergies<L> {
-    /// Zero, to be added to.
-    pub(super) const NONE: Self = BlockEnergies { stored: splat(0.0), absorbed: splat(0.0), hourglass: splat(0.0) };
-
-    /// Of the element in a lane for each of its `volume` (m³), J/m³: a tear, as softening, releases the energy of the
-    /// stabilisation, too.
-    #[inline(always)]
-    pub(super) fn densities(&self, volume: &Lane<L>, lane: usize) -> Densities {
-        // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
-        let density = |energy: f64| if volume[lane] > 0.0 { energy / volume[lane] } else { 0.0 };
-        Densities { stored: density(self.stored[lane] + self.hourglass[lane]), absorbed: density(self.absorbed[lane]) }
-    }
-}
-
-/// Strains of the elements of one block.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BlockStrains<const L: usize> {
-    /// Engineering strain along MD and TD, shear angle (rad).
-    pub strain: [Lane<L>; 3],
-    /// Largest MD and TD strain so far.
-    pub peak: [Lane<L>; 2],
-    /// Share of the layers whose MD and TD fibres are not broken.
-    pub left: [Lane<L>; 2],
 }
 
 /// Stress, thickness and fibres of the elements of one block.

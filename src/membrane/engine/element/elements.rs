@@ -1,16 +1,14 @@
 //! Elements of one kind and law, in blocks of lanes.
 
-use std::ops::Range;
-use std::slice::Iter;
 use std::sync::Arc;
 
 use super::block::Block;
 use super::heating::Heating;
-use super::tearing::{Lost, Tearing, Torn};
+use super::tearing::{Tearing, Torn};
 use super::viscous::{ViscousBlock, ViscousPoints};
 use crate::engine::failure::Failures;
 use crate::lane::{LANES, Lane, Width, lanes, splat};
-use crate::material::{HEAT_VARIABLES, History, MembraneLaw, Rupture, Tear, Thermal, ViscousLaw};
+use crate::material::{History, MembraneLaw, Rupture, Thermal, ViscousLaw};
 
 /// Elements of one kind with the law `M`, in order.
 pub(crate) struct Elements<M, B, const NODES: usize, const L: usize = LANES> {
@@ -167,14 +165,6 @@ impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> 
         (0..self.common.count).map(|i| [i / L, i % L])
     }
 
-    /// History variables of one element.
-    pub(super) fn variables(&self) -> usize {
-        let of_point = 1 + M::History::<L>::virgin().variables().count();
-        let of_heat = self.common.heating.as_ref().map_or(0, |_| HEAT_VARIABLES);
-        let of_tear = self.common.tearing.as_ref().map_or(0, |_| Tear::VARIABLES);
-        B::POINTS * of_point + self.viscous.as_ref().map_or(0, ViscousPoints::per_block) + of_heat + of_tear
-    }
-
     /// Share of the layers whose MD and TD fibres are not broken in the element at a block and lane; none where it is
     /// deleted.
     pub(super) fn left(&self, [block, lane]: [usize; 2]) -> [f64; 2] {
@@ -186,48 +176,6 @@ impl<M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize> 
     /// Whether the element at a block and lane is deleted.
     pub(super) fn is_deleted(&self, [block, lane]: [usize; 2]) -> bool {
         self.blocks[block].volume()[lane] == 0.0
-    }
-
-    /// Calls `visit` with each history variable of each element and its lane there, as a range with those of the copies of
-    /// the last element that pad its block: the volume at each point (m³; zero once the element is deleted) with the
-    /// variables of the law there, those of the Prony series at all points, of heat and of the tear.
-    fn for_each_variable(&mut self, mut visit: impl FnMut(&mut Lane<L>, Range<usize>)) {
-        let Common { count, heating, tearing, .. } = &mut self.common;
-        for element in 0..*count {
-            let [block, lane] = [element / L, element % L];
-            let lanes = lane..if element + 1 == *count { L } else { lane + 1 };
-            for (history, volume) in self.blocks[block].history_mut() {
-                visit(volume, lane..lane + 1);
-                history.variables().for_each(|variable| visit(variable, lanes.clone()));
-            }
-            let viscous = self.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
-            let heating = heating.iter_mut().flat_map(|heating| heating.of_block(block));
-            let tearing = tearing.iter_mut().flat_map(|tearing| tearing.of_block(block));
-            let beside = viscous.chain(heating).chain(tearing);
-            beside.for_each(|variable| visit(variable, lanes.clone()));
-        }
-    }
-
-    /// Appends the history variables.
-    pub(super) fn save(&self, to: &mut Vec<f64>) {
-        self.clone().for_each_variable(|variable, lanes| to.push(variable[lanes.start]));
-    }
-
-    /// Restores the history variables from the first of the `rest`.
-    pub(super) fn restore(&mut self, rest: &mut Iter<'_, f64>) {
-        self.for_each_variable(|variable, lanes| {
-            rest.next().into_iter().for_each(|saved| variable[lanes.clone()].fill(*saved))
-        });
-    }
-
-    /// Resets the history variables to those of virgin film; deleted elements stay deleted.
-    pub(super) fn reset(&mut self) {
-        for (history, _) in self.blocks.iter_mut().flat_map(B::history_mut) {
-            *history = M::History::virgin();
-        }
-        self.viscous.iter_mut().for_each(ViscousPoints::reset);
-        self.common.heating.iter_mut().for_each(Heating::reset);
-        self.common.tearing.iter_mut().for_each(Tearing::reset);
     }
 }
 
@@ -272,7 +220,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
 
     /// Deletes the elements whose tears have taken all of their forces.
     pub(super) fn open_tears(&mut self) -> Failures {
-        let mut total = Failures::default();
+        let mut total = self.common.tearing.as_mut().map(Tearing::take_lost).unwrap_or_default();
         for at in self.indices() {
             let [block, lane] = at;
             let share = self.common.tearing.as_ref().map_or(1.0, |tearing| tearing.share(block)[lane]);
@@ -282,8 +230,6 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
                 total.failed += 1;
             }
         }
-        let Lost { energy, too_wide, opened } =
-            self.common.tearing.as_mut().map(Tearing::take_lost).unwrap_or_default();
-        Failures { energy, too_wide, opened, ..total }
+        total
     }
 }

@@ -1,6 +1,7 @@
 //! Fully integrated elements: gradients of the shape functions at every integration point.
 
-use super::block::{Block, BlockEnergies, is_beyond, point_energy, point_stiffness};
+use super::block::{Block, is_beyond, point_energy, point_stiffness};
+use super::kernel::ElementEnergy;
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, lanes, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains};
@@ -105,8 +106,8 @@ impl<M: MembraneLaw, const NODES: usize, const POINTS: usize, const L: usize> Bl
     }
 
     #[inline(always)]
-    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockEnergies<L> {
-        let mut out = BlockEnergies::NONE;
+    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> ElementEnergy<Lane<L>> {
+        let mut out: ElementEnergy<Lane<L>> = ElementEnergy::default();
         for (p, point) in self.points.iter().enumerate() {
             let energy = point_energy(law, viscous, p, &point.deformation(x), &point.history);
             out.stored += point.volume * energy.stored;

@@ -1,20 +1,21 @@
 //! Elements of one law and kind behind one trait: where calls of the engine are dispatched to kernels.
 
+use std::ops::Range;
 use std::slice::Iter;
 
-use super::block::Block;
+use super::block::{Block, BlockDetails};
 use super::elements::{Common, Elements, place};
-use super::kernel::{self, ElementDetail, ElementEnergy, ElementStrain, OwnForces};
+use super::heating::{self, Heating};
+use super::kernel::{self, ElementDetail, ElementEnergy, ElementStrain, OwnForces, block_stiffness};
 use super::mean_state::MeanState;
-use super::{heating, tearing};
+use super::tearing::{self, Tearing};
+use super::viscous::ViscousPoints;
 use crate::engine::failure::Failures;
-use crate::lane::{LANES, Width};
+use crate::lane::{LANES, Lane, Width, splat};
 use crate::material::{History, MembraneLaw};
 
 /// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of
 /// elements.
-///
-/// Positions and forces are those of the film's own nodes.
 pub(crate) trait ElementGroup: Send + Sync {
     /// Copy of these elements with their history.
     fn boxed(&self) -> Box<dyn ElementGroup>;
@@ -24,12 +25,6 @@ pub(crate) trait ElementGroup: Send + Sync {
 
     /// What they have whatever their law, mutable.
     fn common_mut(&mut self) -> &mut Common;
-
-    /// Number of history variables.
-    fn variables(&self) -> usize;
-
-    /// Properties of the law.
-    fn traits(&self) -> LawTraits;
 
     /// Adds the forces of the elements, whose nodes moved to `position` in `dt` (s), to `force`. Whether a fibre is
     /// past its break strain or a tear took energy.
@@ -48,7 +43,7 @@ pub(crate) trait ElementGroup: Send + Sync {
     /// Strains of the elements, in order, into `out`.
     fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]);
 
-    /// Stress, thickness and fibres of the elements, in order.
+    /// Stress, thickness and fibres of the elements, in order; for snapshots alone, and so compiled for the baseline width only.
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail>;
 
     /// Mean state of one element.
@@ -63,25 +58,13 @@ pub(crate) trait ElementGroup: Send + Sync {
     /// Deletes one element.
     fn delete(&mut self, element: usize);
 
-    /// Appends the history variables.
-    fn save(&self, history: &mut Vec<f64>);
-
-    /// Restores the history variables from the first of the `rest`.
-    fn restore(&mut self, rest: &mut Iter<'_, f64>);
+    /// Calls `visit` with each history variable of each element and its lane there, as a range with those of the copies of
+    /// the last element that pad its block: the volume at each point (m³; zero once the element is deleted) with the
+    /// variables of the law there, those of the Prony series at all points, of heat and of the tear.
+    fn for_each_variable(&mut self, visit: &mut dyn FnMut(&mut Lane, Range<usize>));
 
     /// Resets the history variables to those of virgin film; deleted elements stay deleted.
     fn reset(&mut self);
-}
-
-/// Properties of a law.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LawTraits {
-    /// Whether it admits stretches up to a limit only.
-    pub has_limit: bool,
-    /// Whether it defines the thickness.
-    pub has_thickness: bool,
-    /// Whether it has a plastic strain.
-    pub is_plastic: bool,
 }
 
 impl dyn ElementGroup + '_ {
@@ -89,6 +72,18 @@ impl dyn ElementGroup + '_ {
     pub(crate) fn is_open(&self, element: usize) -> bool {
         let tearing = self.common().tearing.as_ref();
         self.is_deleted(element) || tearing.is_some_and(|tearing| tearing.is_open(place(element)))
+    }
+
+    /// Appends the history variables.
+    pub(crate) fn save(&self, to: &mut Vec<f64>) {
+        self.boxed().for_each_variable(&mut |variable, lanes| to.push(variable[lanes.start]));
+    }
+
+    /// Restores the history variables from the first of the `rest`.
+    pub(crate) fn restore(&mut self, rest: &mut Iter<'_, f64>) {
+        self.for_each_variable(&mut |variable, lanes| {
+            rest.next().into_iter().for_each(|saved| variable[lanes.clone()].fill(*saved));
+        });
     }
 
     /// The elements, or the intact ones alone.
@@ -135,19 +130,6 @@ where
         &mut self.common
     }
 
-    fn variables(&self) -> usize {
-        self.common.count * Elements::variables(self)
-    }
-
-    #[cfg_attr(not(test), inline)]
-    fn traits(&self) -> LawTraits {
-        LawTraits {
-            has_limit: self.law.has_limit(),
-            has_thickness: self.law.has_thickness(),
-            is_plastic: self.law.plastic_strain(&M::History::<LANES>::virgin()).is_some(),
-        }
-    }
-
     #[cfg_attr(not(test), inline)]
     fn add_forces(&mut self, width: Width, position: &[&[f64]; 3], dt: f64, force: OwnForces<'_>) -> bool {
         let mounts = self.viscous.as_ref().is_some_and(|viscous| viscous.mounts(dt));
@@ -166,12 +148,38 @@ where
 
     #[cfg_attr(not(test), inline)]
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
-        Elements::frequency_bound(self, width, density, position)
+        let mut largest = splat::<LANES>(0.0);
+        for (b, block) in self.blocks.iter().enumerate() {
+            let bound = block_stiffness(width, block, &*self.law, self.viscous_block(b), &self.gather(b, position));
+            let (volume, share) = (block.volume(), self.common.share(b));
+            let factor = self.common.mass_factors.get(b).copied().unwrap_or(splat(1.0));
+            // Lumped masses are equal, so the bound of the element is that of its stiffness over one of them.
+            let squared = share * bound * NODES as f64 / (density * factor * volume);
+            // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
+            let settled = volume.equals(0.0) | squared.at_most(largest) | largest.is_nan();
+            largest = settled.select(largest, squared);
+        }
+        largest.iter().fold(0.0, |most, &squared| if squared <= most || most.is_nan() { most } else { squared })
     }
 
     #[cfg_attr(not(test), inline)]
     fn add_mass(&mut self, density: f64, most: f64, position: &[&[f64]; 3], add: &mut dyn FnMut(&[u32], f64)) {
-        Elements::add_mass(self, [density, most], position, add);
+        let mut factors = vec![splat(1.0); self.blocks.len()];
+        for (b, block) in self.blocks.iter().enumerate() {
+            let x = self.gather(b, position);
+            let bound = block_stiffness(Width::best(), block, &*self.law, self.viscous_block(b), &x);
+            let volume = block.volume();
+            for l in (0..LANES).filter(|l| volume[*l] > 0.0) {
+                let own = density * volume[l] / NODES as f64;
+                let factor = bound[l] / (own * most);
+                if factor > 1.0 {
+                    // The factor is kept, not the bound: later bounds divide by it while the film's own stiffness changes.
+                    factors[b][l] = factor;
+                    add(self.common.corners.of(b * LANES + l), (factor - 1.0) * own);
+                }
+            }
+        }
+        self.common.mass_factors = factors;
     }
 
     fn strains(&self, width: Width, position: &[&[f64]; 3], out: &mut [ElementStrain]) {
@@ -180,7 +188,22 @@ where
 
     #[cfg_attr(not(test), inline)]
     fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
-        Elements::details(self, position)
+        let mut out = Vec::with_capacity(self.common.count.next_multiple_of(LANES));
+        for (b, block) in self.blocks.iter().enumerate() {
+            let details = block.details(&self.law, self.viscous_block(b), &self.gather(b, position));
+            let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
+            let (share, left) = (self.common.share(b), self.common.tearing.as_ref().map(|tearing| tearing.share(b)));
+            out.extend((0..LANES).map(|l| ElementDetail {
+                stress: stress.map(|s| share[l] * s[l]),
+                damage: left.map_or(0.0, |left| 1.0 - left[l]),
+                warming: self.common.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
+                thickness_ratio: thickness_ratio[l],
+                plastic_strain: plastic_strain[l],
+                fibres: fibres.map(|f| f.map(|axis| axis[l])),
+            }));
+        }
+        out.truncate(self.common.count);
+        out
     }
 
     #[cfg_attr(not(test), inline)]
@@ -202,15 +225,30 @@ where
         self.blocks[element / LANES].delete(element % LANES);
     }
 
-    fn save(&self, history: &mut Vec<f64>) {
-        Elements::save(self, history);
-    }
-
-    fn restore(&mut self, rest: &mut Iter<'_, f64>) {
-        Elements::restore(self, rest);
+    #[cfg_attr(not(test), inline)]
+    fn for_each_variable(&mut self, visit: &mut dyn FnMut(&mut Lane, Range<usize>)) {
+        let Common { count, heating, tearing, .. } = &mut self.common;
+        for element in 0..*count {
+            let [block, lane] = place(element);
+            let lanes = lane..if element + 1 == *count { LANES } else { lane + 1 };
+            for (history, volume) in self.blocks[block].history_mut() {
+                visit(volume, lane..lane + 1);
+                history.variables().for_each(|variable| visit(variable, lanes.clone()));
+            }
+            let viscous = self.viscous.iter_mut().flat_map(|viscous| viscous.block_mut(block).1);
+            let heating = heating.iter_mut().flat_map(|heating| heating.of_block(block));
+            let tearing = tearing.iter_mut().flat_map(|tearing| tearing.of_block(block));
+            let beside = viscous.chain(heating).chain(tearing);
+            beside.for_each(|variable| visit(variable, lanes.clone()));
+        }
     }
 
     fn reset(&mut self) {
-        Elements::reset(self);
+        for (history, _) in self.blocks.iter_mut().flat_map(B::history_mut) {
+            *history = M::History::virgin();
+        }
+        self.viscous.iter_mut().for_each(ViscousPoints::reset);
+        self.common.heating.iter_mut().for_each(Heating::reset);
+        self.common.tearing.iter_mut().for_each(Tearing::reset);
     }
 }

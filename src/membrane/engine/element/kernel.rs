@@ -1,52 +1,64 @@
 //! Passes over the blocks of a film, for the vector instructions that the processor has: gather → kernel → scatter.
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range, SubAssign};
 
-use super::block::{Block, BlockDetails, BlockEnergies, BlockStrains};
+use super::block::Block;
 use super::elements::{BlockCorners, Elements};
 use super::viscous::{ViscousBlock, ViscousPass};
 use crate::engine::disjoint::Disjoint;
 use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, splat};
-use crate::material::MembraneLaw;
+use crate::material::{Densities, MembraneLaw};
 
-/// Energies of elements, J.
+/// Energies of elements, J: of some together, or one a lane.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ElementEnergy {
+pub struct ElementEnergy<T = f64> {
     /// Returned on unloading.
-    pub stored: f64,
+    pub stored: T,
     /// Absorbed by the law.
-    pub absorbed: f64,
+    pub absorbed: T,
     /// In the stabilisation against hourglass modes.
-    pub hourglass: f64,
+    pub hourglass: T,
 }
 
-impl ElementEnergy {
+impl<T: Copy + AddAssign + SubAssign> ElementEnergy<T> {
     /// Adds those of other elements.
-    pub fn add(&mut self, other: &ElementEnergy) {
+    #[inline(always)]
+    pub fn add(&mut self, other: &ElementEnergy<T>) {
         self.stored += other.stored;
         self.absorbed += other.absorbed;
         self.hourglass += other.hourglass;
     }
 
     /// Subtracts those of other elements.
-    pub fn subtract(&mut self, other: &ElementEnergy) {
+    pub fn subtract(&mut self, other: &ElementEnergy<T>) {
         self.stored -= other.stored;
         self.absorbed -= other.absorbed;
         self.hourglass -= other.hourglass;
     }
 }
 
-/// Strains of one element, averaged over its integration points.
+impl<const L: usize> ElementEnergy<Lane<L>> {
+    /// Of the element in a lane for each of its `volume` (m³), J/m³: a tear, as softening, releases the energy of the
+    /// stabilisation, too.
+    #[inline(always)]
+    pub(super) fn densities(&self, volume: &Lane<L>, lane: usize) -> Densities {
+        // Padding and deleted elements: 0/0 would be a NaN in history variables that are saved.
+        let density = |energy: f64| if volume[lane] > 0.0 { energy / volume[lane] } else { 0.0 };
+        Densities { stored: density(self.stored[lane] + self.hourglass[lane]), absorbed: density(self.absorbed[lane]) }
+    }
+}
+
+/// Strains of one element, or of one a lane, averaged over its integration points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ElementStrain {
+pub struct ElementStrain<T = f64> {
     /// Engineering strain along MD and TD, shear angle (rad).
-    pub strain: [f64; 3],
+    pub strain: [T; 3],
     /// Largest MD and TD strain so far.
-    pub peak: [f64; 2],
+    pub peak: [T; 2],
     /// Share of the layers whose MD and TD fibres are not broken; zero where it is deleted.
-    pub left: [f64; 2],
+    pub left: [T; 2],
     /// Volume of stress-free film, m³; zero once it is deleted.
-    pub volume: f64,
+    pub volume: T,
 }
 
 impl ElementStrain {
@@ -203,7 +215,7 @@ at_width! {
     /// compiled into this one function for all who need it.
     pub(super) fn block_energies[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
-    ) -> BlockEnergies<L> {
+    ) -> ElementEnergy<Lane<L>> {
         block.energies(law, viscous, x)
     }
 }
@@ -212,7 +224,7 @@ at_width! {
     up to AVX2
     /// Bound on the stiffness of the elements of a block whose nodes are at `x`, N/m. The laws are compiled into this
     /// one function for all who need it.
-    fn block_stiffness[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
+    pub(super) fn block_stiffness[M: MembraneLaw, B: Block<M, NODES, L>, const NODES: usize, const L: usize](
         block: &B, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES],
     ) -> Lane<L> {
         block.stiffness(law, viscous, x)
@@ -229,8 +241,7 @@ at_width! {
         let blocks = elements.common.corners.blocks().zip(&elements.blocks);
         for ((corners, block), out) in blocks.zip(out.chunks_mut(LANES)) {
             gather(corners, position, &mut x);
-            let BlockStrains { strain, peak, left } = block.strains(&x);
-            let volume = block.volume();
+            let ElementStrain { strain, peak, left, volume } = block.strains(&x);
             for (l, out) in out.iter_mut().enumerate() {
                 // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
                 let left = if volume[l] == 0.0 { [0.0; 2] } else { [left[0][l], left[1][l]] };
@@ -252,7 +263,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
 
     /// Energies of the elements of a block whose nodes are at `x`, J, with its heat and without what their tears took.
     #[cfg_attr(not(test), inline)]
-    pub(super) fn warm_energies(&self, width: Width, block: usize, x: &[Lane3; NODES]) -> BlockEnergies<LANES> {
+    pub(super) fn warm_energies(&self, width: Width, block: usize, x: &[Lane3; NODES]) -> ElementEnergy<Lane> {
         let mut energies = block_energies(width, &self.blocks[block], &*self.law, self.viscous_block(block), x);
         if let Some(heating) = &self.common.heating {
             let (share, absorbed, volume) =
@@ -273,7 +284,7 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
         position: &[&[f64]; 3],
         of_lanes: impl Fn(Lane) -> f64,
     ) -> ElementEnergy {
-        let mut sums = BlockEnergies::NONE;
+        let mut sums = ElementEnergy::<Lane>::default();
         for b in blocks {
             // Summed lane by lane and over the lanes at the end: one order for any number of threads and any width.
             let energies = self.warm_energies(width, b, &self.gather(b, position));
@@ -302,70 +313,5 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
             let density = (energies.stored + energies.absorbed) / volume;
             viscous.count_mounting(b, volume.equals(0.0).select(0.0, density));
         }
-    }
-
-    /// Bound on the squared angular frequency of all elements, rad²/s² (theory.md, equation 17).
-    #[cfg_attr(not(test), inline)]
-    pub(super) fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64 {
-        let mut largest = splat::<LANES>(0.0);
-        for (b, block) in self.blocks.iter().enumerate() {
-            let bound = block_stiffness(width, block, &*self.law, self.viscous_block(b), &self.gather(b, position));
-            let (volume, share) = (block.volume(), self.common.share(b));
-            let factor = self.common.mass_factors.get(b).copied().unwrap_or(splat(1.0));
-            // Lumped masses are equal, so the bound of the element is that of its stiffness over one of them.
-            let squared = share * bound * NODES as f64 / (density * factor * volume);
-            // Deleted elements and the padding of the last block have no volume; a NaN must propagate.
-            let settled = volume.equals(0.0) | squared.at_most(largest) | largest.is_nan();
-            largest = settled.select(largest, squared);
-        }
-        largest.iter().fold(0.0, |most, &squared| if squared <= most || most.is_nan() { most } else { squared })
-    }
-
-    /// Adds mass to every element whose squared angular frequency is above `most` (rad²/s²), so that it is `most`, and
-    /// calls `add` with the nodes of each and the mass (kg) that each of these gets (theory.md, equation 17d).
-    #[cfg_attr(not(test), inline)]
-    pub(super) fn add_mass(
-        &mut self,
-        [density, most]: [f64; 2],
-        position: &[&[f64]; 3],
-        add: &mut dyn FnMut(&[u32], f64),
-    ) {
-        let mut factors = vec![splat(1.0); self.blocks.len()];
-        for (b, block) in self.blocks.iter().enumerate() {
-            let x = self.gather(b, position);
-            let bound = block_stiffness(Width::best(), block, &*self.law, self.viscous_block(b), &x);
-            let volume = block.volume();
-            for l in (0..LANES).filter(|l| volume[*l] > 0.0) {
-                let own = density * volume[l] / NODES as f64;
-                let factor = bound[l] / (own * most);
-                if factor > 1.0 {
-                    // The factor is kept, not the bound: later bounds divide by it while the film's own stiffness changes.
-                    factors[b][l] = factor;
-                    add(self.common.corners.of(b * LANES + l), (factor - 1.0) * own);
-                }
-            }
-        }
-        self.common.mass_factors = factors;
-    }
-
-    /// Details of all elements, in order; for snapshots alone, and so compiled for the baseline width only.
-    #[cfg_attr(not(test), inline)]
-    pub(super) fn details(&self, position: &[&[f64]; 3]) -> Vec<ElementDetail> {
-        let mut out = Vec::with_capacity(self.common.count.next_multiple_of(LANES));
-        for (b, block) in self.blocks.iter().enumerate() {
-            let details = block.details(&self.law, self.viscous_block(b), &self.gather(b, position));
-            let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
-            let (share, left) = (self.common.share(b), self.common.tearing.as_ref().map(|tearing| tearing.share(b)));
-            out.extend((0..LANES).map(|l| ElementDetail {
-                stress: stress.map(|s| share[l] * s[l]),
-                damage: left.map_or(0.0, |left| 1.0 - left[l]),
-                warming: self.common.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
-                thickness_ratio: thickness_ratio[l],
-                plastic_strain: plastic_strain[l],
-                fibres: fibres.map(|f| f.map(|axis| axis[l])),
-            }));
-        }
-        out.truncate(self.common.count);
-        out
     }
 }

@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use super::elements::Elements;
-use crate::lane::{LANES, Width};
+use crate::lane::{LANES, Lane, Width, one};
 use crate::material::{Densities, MembraneLaw};
 
 /// Gradients ∂N_a/∂X_I (1/m) of the shape functions of an element along MD and TD of the stress-free film; that of a
@@ -123,7 +123,7 @@ pub(crate) fn corners(gradients: &Gradients) -> [[f64; 2]; 4] {
 /// middle corner (theory.md, equation 300).
 pub(super) fn width_across(gradients: &Gradients, metric: [f64; 3]) -> f64 {
     let [c11, c22, c12] = metric;
-    let eigenvalue = largest(metric);
+    let eigenvalue = largest(&metric.map(one))[0];
     // Of the two columns of C − λ₂ the longer.
     let smaller = c11 + c22 - eigenvalue;
     let candidates = [[c11 - smaller, c12], [c12, c22 - smaller]];
@@ -140,9 +140,9 @@ pub(super) fn width_across(gradients: &Gradients, metric: [f64; 3]) -> f64 {
     most - least
 }
 
-/// Larger eigenvalue of a symmetric matrix with these components 11, 22 and 12.
+/// Larger eigenvalues of symmetric matrices with these components 11, 22 and 12.
 #[inline(always)]
-pub(super) fn largest([first, second, between]: [f64; 3]) -> f64 {
+pub(super) fn largest<const L: usize>(&[first, second, between]: &[Lane<L>; 3]) -> Lane<L> {
     let (mean, half) = (0.5 * (first + second), 0.5 * (first - second));
     mean + (half * half + between * between).sqrt()
 }

@@ -19,7 +19,7 @@ pub(crate) use block::Block;
 pub(crate) use elements::{Common, Elements, place};
 pub(crate) use group::{ElementGroup, Grouped};
 pub use kernel::{ElementDetail, ElementEnergy, ElementStrain};
-pub(crate) use kernel::{Forces, add_forces};
+pub(crate) use kernel::{Forces, OwnForces, add_forces};
 pub(super) use mean_state::{MeanState, corners};
 pub(crate) use shape::{Shaped, shaped};
 pub use shape::{StressFree, UndefinedFibreDirection};

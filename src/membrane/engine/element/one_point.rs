@@ -13,7 +13,8 @@
 //! b_aI = ∂N_a/∂X_I ,   s_a = ¼ Σ_I (h·X_I) b_aI
 //! ```
 
-use super::block::{Block, BlockEnergies, is_beyond, point_energy, point_stiffness};
+use super::block::{Block, is_beyond, point_energy, point_stiffness};
+use super::kernel::ElementEnergy;
 use super::viscous::{MovedBlock, ViscousBlock};
 use crate::lane::{Lane, Lane3, dot, lanes, splat};
 use crate::material::{Deformation, History, MembraneLaw, PeakStrains, Stress};
@@ -163,7 +164,7 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
     }
 
     #[inline(always)]
-    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> BlockEnergies<L> {
+    fn energies(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; 4]) -> ElementEnergy<Lane<L>> {
         let shape = self.shape::<true>(x);
         let energy = point_energy(law, viscous, 0, &shape.deformation, &self.history);
         let stabilisation = stabilisation(law);
@@ -173,7 +174,7 @@ impl<M: MembraneLaw, const L: usize> Block<M, 4, L> for OnePoint<L, M::History<L
             let along = dot(&f[i], &shape.q);
             stabilising += 0.5 * stabilisation[i] * shape.mean_square[i] * along * along * *self.history.left(i);
         }
-        BlockEnergies {
+        ElementEnergy {
             stored: self.volume * energy.stored,
             absorbed: self.volume * energy.absorbed,
             hourglass: self.volume * stabilising,

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::elements::Elements;
-use super::kernel::ElementEnergy;
 use super::mean_state::{gradients_of, largest, width_across};
-use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, larger, splat};
+use crate::engine::failure::Failures;
+use crate::lane::{LANES, Lane, Lane3, Width, at_width, lanes, splat};
 use crate::material::{Criterion, MembraneLaw, Rupture, Tear};
 
 /// Rupture of elements and its variables, block by block.
@@ -19,24 +19,13 @@ pub(crate) struct Tearing<const L: usize> {
     /// Which elements share a node with one that is open or deleted.
     beside_open: Vec<[bool; L]>,
     /// Losses of the last pass.
-    lost: Lost,
+    lost: Failures,
     /// Volume of stress-free film of each element, also of deleted ones, m³.
     volumes: Vec<Lane<L>>,
 }
 
 /// Share of the fracture energy by which an element may store more by round-off.
 const ROUND_OFF: f64 = 1e-9;
-
-/// Losses to tears in a pass.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Lost {
-    /// Energies that elements lost, J.
-    pub energy: ElementEnergy,
-    /// Of the elements that started to tear the one that stores most of what its tear takes, where it stores more.
-    pub too_wide: Option<TooWide>,
-    /// Whether a tear opened.
-    pub opened: bool,
-}
 
 /// An element that stores more energy than its tear takes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,19 +57,6 @@ pub struct Torn {
     pub energy: f64,
 }
 
-impl Lost {
-    /// Notes that a tear started in film of this fracture energy (J/m²).
-    fn note_start(&mut self, tear: &Tear, fracture_energy: f64) {
-        let Tear { start, width, .. } = *tear;
-        // Above one the element stores more than its tear takes: the surplus is lost at once and depends on the mesh, which
-        // is reported.
-        let ratio = start * width / fracture_energy;
-        // A step aside is as wide as what the element stores allows, so that it stores just as much.
-        let too_wide = (ratio > 1.0 + ROUND_OFF && ratio.is_finite()).then_some(TooWide { width, ratio });
-        self.too_wide = TooWide::worse(self.too_wide, too_wide);
-    }
-}
-
 impl Torn {
     /// Adds the tears of other elements.
     pub fn add(&mut self, other: &Torn) {
@@ -95,13 +71,13 @@ impl<const L: usize> Tearing<L> {
     pub(crate) fn new(rupture: Rupture, volumes: Vec<Lane<L>>) -> Tearing<L> {
         let variables = vec![Tear::NONE.variables().map(splat); volumes.len()];
         let beside_open = vec![[false; L]; volumes.len()];
-        Tearing { rupture, variables, beside_open, lost: Lost::default(), volumes }
+        Tearing { rupture, variables, beside_open, lost: Failures::default(), volumes }
     }
 
     /// Resets the variables to those of film that does not tear.
     pub(crate) fn reset(&mut self) {
         self.variables.fill(Tear::NONE.variables().map(splat));
-        self.lost = Lost::default();
+        self.lost = Failures::default();
     }
 
     /// Tear of the element at a block and lane.
@@ -126,9 +102,19 @@ impl<const L: usize> Tearing<L> {
         let mut tear = self.element_tear([block, lane]);
         tear.start(width);
         tear.offset = offset;
-        self.lost.note_start(&tear, self.rupture.fracture_energy);
+        self.note_start(&tear);
         tear.soften(self.rupture.fracture_energy);
         self.set([block, lane], &tear);
+    }
+
+    /// Notes that a tear started.
+    fn note_start(&mut self, &Tear { start, width, .. }: &Tear) {
+        // Above one the element stores more than its tear takes: the surplus is lost at once and depends on the mesh, which
+        // is reported.
+        let ratio = start * width / self.rupture.fracture_energy;
+        // A step aside is as wide as what the element stores allows, so that it stores just as much.
+        let too_wide = (ratio > 1.0 + ROUND_OFF && ratio.is_finite()).then_some(TooWide { width, ratio });
+        self.lost.too_wide = TooWide::worse(self.lost.too_wide, too_wide);
     }
 
     /// Lets the element at a block and lane tear on from what it stores now.
@@ -171,17 +157,13 @@ impl<const L: usize> Tearing<L> {
     #[inline(always)]
     fn stays_whole(&self, block: usize, values: &Lane<L>) -> bool {
         let [share, next, _, _, width, ..] = &self.variables[block];
-        let mut is_whole = true;
-        for l in 0..L {
-            let reaches = values[l] >= self.rupture.limit;
-            let is_far = !reaches | (self.volumes[block][l] == 0.0);
-            is_whole &= is_far & (width[l] == 0.0) & (share[l] == 1.0) & (next[l] == 1.0) & !self.beside_open[block][l];
-        }
-        is_whole
+        let is_far = !values.at_least(self.rupture.limit) | self.volumes[block].equals(0.0);
+        let is_whole = width.equals(0.0) & share.equals(1.0) & next.equals(1.0);
+        (is_far & is_whole).all() && !self.beside_open[block].contains(&true)
     }
 
     /// Losses of the last pass.
-    pub(crate) fn take_lost(&mut self) -> Lost {
+    pub(crate) fn take_lost(&mut self) -> Failures {
         std::mem::take(&mut self.lost)
     }
 
@@ -236,7 +218,7 @@ at_width! {
                         // Film that stores more than its tear takes tears whatever the film around it does.
                         if reaches || tear.stored * width >= fracture_energy {
                             tear.start(width);
-                            tearing.lost.note_start(&tear, fracture_energy);
+                            tearing.note_start(&tear);
                         }
                     }
                 }
@@ -258,19 +240,16 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
     /// it is an energy.
     #[inline(always)]
     fn rupture_values(&self, rupture: &Rupture, block: usize, metric: &[Lane; 3], x: &[Lane3; NODES]) -> Option<Lane> {
-        let [c11, c22, c12] = metric;
+        let [c11, c22, _] = metric;
         Some(match rupture.criterion {
             Criterion::Strain => strains(metric),
-            Criterion::FibreStrain => lanes(|l| larger(c11[l], c22[l]).sqrt() - 1.0),
+            Criterion::FibreStrain => c11.max(*c22).sqrt() - 1.0,
             Criterion::Break => lanes(|l| self.blocks[block].break_ratio(&self.law, l)),
             Criterion::Stress => {
                 // Without what tears took.
                 let share = self.common.heating.as_ref().map_or(splat(1.0), |heating| *heating.share(block));
                 let [s11, s22, s12] = self.blocks[block].stress(&self.law, self.viscous_block(block), x);
-                lanes(|l| {
-                    let s = [s11[l] * share[l], s22[l] * share[l], s12[l] * share[l]];
-                    largest(squared_stress(s, [c11[l], c22[l], c12[l]])).sqrt()
-                })
+                largest(&squared_stress(&[s11 * share, s22 * share, s12 * share], metric)).sqrt()
             }
             Criterion::Energy => return None,
         })
@@ -280,13 +259,12 @@ impl<M: MembraneLaw, B: Block<M, NODES, LANES>, const NODES: usize> Elements<M, 
 /// Largest principal nominal strain in each element of a block.
 #[inline(always)]
 fn strains<const L: usize>(metric: &[Lane<L>; 3]) -> Lane<L> {
-    let [c11, c22, c12] = metric;
-    lanes(|l| largest([c11[l], c22[l], c12[l]]).sqrt() - 1.0)
+    largest(metric).sqrt() - 1.0
 }
 
 /// S C S: its eigenvalues are the squares of the principal nominal stresses.
 #[inline(always)]
-fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64; 3] {
+fn squared_stress<const L: usize>(&[s11, s22, s12]: &[Lane<L>; 3], &[c11, c22, c12]: &[Lane<L>; 3]) -> [Lane<L>; 3] {
     let (a11, a12) = (s11 * c11 + s12 * c12, s11 * c12 + s12 * c22);
     let (a21, a22) = (s12 * c11 + s22 * c12, s12 * c12 + s22 * c22);
     [a11 * s11 + a12 * s12, a21 * s12 + a22 * s22, a11 * s12 + a12 * s22]
@@ -295,14 +273,13 @@ fn squared_stress([s11, s22, s12]: [f64; 3], [c11, c22, c12]: [f64; 3]) -> [f64;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::one;
 
     #[test]
     fn principal_stress_of_a_stretch() {
         // S of a stretch λ along MD, with the engineering stress λ S.
         let (lambda, s) = (1.5, 3e6);
-        assert!(
-            (largest(squared_stress([s, 0.0, 0.0], [lambda * lambda, 1.0, 0.0])).sqrt() / (lambda * s) - 1.0).abs()
-                < 1e-12
-        );
+        let squared = squared_stress(&[s, 0.0, 0.0].map(one), &[lambda * lambda, 1.0, 0.0].map(one));
+        assert!((largest(&squared)[0].sqrt() / (lambda * s) - 1.0).abs() < 1e-12);
     }
 }

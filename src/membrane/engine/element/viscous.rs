@@ -80,11 +80,6 @@ impl<const L: usize> ViscousPoints<L> {
         let work = instant * energy;
         variables.chunks_exact_mut(count).for_each(|point| law.set_work(point, work));
     }
-
-    /// History variables of one block.
-    pub(crate) fn per_block(&self) -> usize {
-        self.per_block
-    }
 }
 
 /// The blocks of viscous film in a step.

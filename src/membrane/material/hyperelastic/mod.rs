@@ -215,11 +215,6 @@ impl<E: StrainEnergy> MembraneLaw for Hyperelastic<E> {
         [self.energy.plane_modulus(); 2]
     }
 
-    #[inline(always)]
-    fn break_strains<const L: usize>(&self, _history: &PeakStrains<L>) -> [Lane<L>; 2] {
-        [splat(f64::INFINITY); 2]
-    }
-
     fn has_limit(&self) -> bool {
         self.energy.has_limit()
     }
