@@ -668,7 +668,7 @@ mod tests {
         let files: Vec<String> = build::sources(&root).unwrap().into_iter().map(|(name, _)| name).collect();
         for name in [
             "src/membrane/engine/cushion.rs",
-            "src/membrane/material/viscous/shift.rs",
+            "src/membrane/material/viscous/point.rs",
             "src/scene/simulate/mod.rs",
             "src/lab/signal/filter.rs",
             "src/study/post/impact.rs",

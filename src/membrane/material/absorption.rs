@@ -23,7 +23,20 @@ pub struct Absorption {
     steepening: f64,
 }
 
+/// A strain of fibres that absorb energy on unloading.
+#[derive(Clone, Copy, Debug)]
+pub struct Strained<'a, const L: usize> {
+    pub(super) strain: Lane<L>,
+    pub(super) absorption: &'a Absorption,
+}
+
 impl Absorption {
+    /// Fibres at `strain`.
+    #[inline(always)]
+    pub fn at<const L: usize>(&self, strain: Lane<L>) -> Strained<'_, L> {
+        Strained { strain, absorption: self }
+    }
+
     /// `share` D with 0 ≤ D < 1.
     pub fn new(share: f64) -> Absorption {
         assert!((0.0..1.0).contains(&share), "share of absorbed energy: {share}");

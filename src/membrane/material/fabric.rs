@@ -96,12 +96,12 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn stress<const L: usize>(&self, d: &Deformation<L>, history: &mut Self::History<L>, dt: f64) -> Stress<L> {
         let fibres = Fibres::from_deformation(d);
         let [history_md, history_td] = &mut history.fibres;
-        let md = self.md.stress(&self.absorption, fibres.strain(0), history_md, dt);
-        let td = self.td.stress(&self.absorption, fibres.strain(1), history_td, dt);
+        let md = self.md.stress(self.absorption.at(fibres.strain(0)), history_md, dt);
+        let td = self.td.stress(self.absorption.at(fibres.strain(1)), history_td, dt);
         let shear = self.absorption.stress(&self.shear, fibres.shear(), &mut history.shear);
         let mut tensions = fibres.tensions(of_layers_left([md, td, shear], &history.left));
         if let Some(law) = &self.biaxial {
-            let stress = law.stress(&self.absorption, fibres.mean_strain(), &mut history.biaxial, dt);
+            let stress = law.stress(self.absorption.at(fibres.mean_strain()), &mut history.biaxial, dt);
             tensions.add_biaxial(&fibres, of_both_left(stress, &history.left));
         }
         tensions.stress(d)
@@ -111,8 +111,8 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
     fn energy<const L: usize>(&self, d: &Deformation<L>, history: &Self::History<L>) -> Energy<L> {
         let fibres = Fibres::from_deformation(d);
         let parts = [
-            self.md.energy(&self.absorption, fibres.strain(0), &history.fibres[0]),
-            self.td.energy(&self.absorption, fibres.strain(1), &history.fibres[1]),
+            self.md.energy(self.absorption.at(fibres.strain(0)), &history.fibres[0]),
+            self.td.energy(self.absorption.at(fibres.strain(1)), &history.fibres[1]),
             self.absorption.energy(&self.shear, fibres.shear(), history.shear),
         ];
         let [md, td, shear] = parts;
@@ -121,7 +121,7 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         let mut total =
             Energy { stored: stored[0] + stored[1] + stored[2], absorbed: absorbed[0] + absorbed[1] + absorbed[2] };
         if let Some(law) = &self.biaxial {
-            let (stored, absorbed) = law.energy(&self.absorption, fibres.mean_strain(), &history.biaxial);
+            let (stored, absorbed) = law.energy(self.absorption.at(fibres.mean_strain()), &history.biaxial);
             // The curve is over the mean strain, W_b over the sum of both: dW_b = σ_b d(ε₁ + ε₂) = 2 σ_b d(mean).
             total.stored += 2.0 * of_both_left(stored, &history.left);
             total.absorbed += 2.0 * of_both_left(absorbed, &history.left);
@@ -135,25 +135,25 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         const REACH: f64 = 0.005;
         let fibres = Fibres::from_deformation(d);
         let angle = fibres.shear();
-        let strains = [fibres.strain(0), fibres.strain(1), angle];
+        let at = [self.absorption.at(fibres.strain(0)), self.absorption.at(fibres.strain(1))];
         let near = [
-            self.md.stress_near(&self.absorption, strains[0], &history.fibres[0]),
-            self.td.stress_near(&self.absorption, strains[1], &history.fibres[1]),
+            self.md.stress_near(at[0], &history.fibres[0]),
+            self.td.stress_near(at[1], &history.fibres[1]),
             self.absorption.stress(&self.shear, angle, &mut { history.shear }),
         ];
         let mut tensions = fibres.tensions(of_layers_left(near, &history.left));
         let mut biaxial = splat(0.0);
         if let Some(law) = &self.biaxial {
-            let mean = fibres.mean_strain();
-            let stress = law.stress_near(&self.absorption, mean, &history.biaxial);
+            let mean = self.absorption.at(fibres.mean_strain());
+            let stress = law.stress_near(mean, &history.biaxial);
             tensions.add_biaxial(&fibres, of_both_left(stress, &history.left));
-            let slope = law.largest_slope(&self.absorption, mean, &history.biaxial, REACH);
+            let slope = law.largest_slope(mean, &history.biaxial, REACH);
             biaxial = of_both_left(slope, &history.left);
         }
         let across = [tensions.tension[0].abs(), tensions.tension[1].abs()];
         let slopes = [
-            self.md.largest_slope(&self.absorption, strains[0], &history.fibres[0], REACH),
-            self.td.largest_slope(&self.absorption, strains[1], &history.fibres[1], REACH),
+            self.md.largest_slope(at[0], &history.fibres[0], REACH),
+            self.td.largest_slope(at[1], &history.fibres[1], REACH),
             self.absorption.largest_slope(&self.shear, angle, history.shear, REACH),
         ];
         let [md, td, shear] = of_layers_left(slopes, &history.left);

@@ -24,7 +24,7 @@ mod thermal;
 mod tests;
 mod viscous;
 
-pub use absorption::Absorption;
+pub use absorption::{Absorption, Strained};
 pub use curve::{Curve, CurveError, Reading};
 pub use elastic::Elastic;
 pub use fabric::Fabric;

@@ -13,7 +13,6 @@
 mod flow;
 mod hardening;
 mod hill;
-mod history;
 mod logarithm;
 mod modes;
 mod rate;
@@ -26,12 +25,12 @@ use modes::Modes;
 use serde::{Deserialize, Serialize};
 
 use super::elastic::{Elastic, Plane};
+use super::history::History;
 use super::{Deformation, Energy, MembraneLaw, Stiffness, Stress};
 use crate::lane::{Lane, one, splat};
 
 pub use hardening::{FlowCurve, FlowCurveError, Hardening, Voce};
 pub use hill::Hill;
-pub use history::PlasticHistory;
 pub use rate::{FlowRate, RateTable, RateTableError};
 
 /// A plastic film.
@@ -42,6 +41,54 @@ pub struct Plastic {
     hardening: Hardening,
     rate: FlowRate,
     modes: Modes,
+}
+
+/// History variables of plastic film, one integration point a lane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlasticHistory<const L: usize> {
+    /// Plastic strain E_p, logarithmic: components 11, 22 and 12.
+    strain: Plane<L>,
+    /// Equivalent plastic strain p.
+    equivalent: Lane<L>,
+    /// σ̄ over the slow flow stress at the end of the last step, Pa; zero where it is not above.
+    overstress: Lane<L>,
+    /// Plastic work beyond that of slow flow, J/m³.
+    surplus: Lane<L>,
+    /// Share of the layers that are not broken, MD and TD; all of them, since the law has no break strain.
+    left: [Lane<L>; 2],
+}
+
+impl<const L: usize> History<L> for PlasticHistory<L> {
+    fn virgin() -> Self {
+        let nothing = splat(0.0);
+        PlasticHistory {
+            strain: [nothing; 3],
+            equivalent: nothing,
+            overstress: nothing,
+            surplus: nothing,
+            left: [splat(1.0); 2],
+        }
+    }
+
+    /// Zero: the law depends on no largest strain.
+    #[inline(always)]
+    fn peak(&self, _fibre: usize) -> &Lane<L> {
+        const { &splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn left(&self, fibre: usize) -> &Lane<L> {
+        &self.left[fibre]
+    }
+
+    fn left_mut(&mut self, fibre: usize) -> &mut Lane<L> {
+        &mut self.left[fibre]
+    }
+
+    fn variables(&mut self) -> impl Iterator<Item = &mut Lane<L>> {
+        let scalars = [&mut self.equivalent, &mut self.overstress, &mut self.surplus];
+        self.strain.iter_mut().chain(scalars).chain(&mut self.left)
+    }
 }
 
 impl Plastic {
@@ -194,11 +241,6 @@ impl MembraneLaw for Plastic {
 
     fn moduli(&self) -> [f64; 2] {
         [self.elastic.plane(); 2]
-    }
-
-    #[inline(always)]
-    fn break_strains<const L: usize>(&self, _history: &PlasticHistory<L>) -> [Lane<L>; 2] {
-        [splat(f64::INFINITY); 2]
     }
 
     fn plastic_strain<'a, const L: usize>(&self, history: &'a PlasticHistory<L>) -> Option<&'a Lane<L>> {

@@ -91,9 +91,7 @@ impl RateTable {
         }
         Ok((first, RateTable { steps, lowest, highest: previous }))
     }
-}
 
-impl RateTable {
     /// Rates (1/s) and curves above that of the hardening, which is at the lowest rate.
     pub fn above(&self) -> impl Iterator<Item = (f64, &FlowCurve)> {
         self.steps.iter().map(|step| (step.rate, &step.curve))
@@ -102,6 +100,24 @@ impl RateTable {
     /// Rate of the hardening's curve, 1/s.
     pub fn lowest(&self) -> f64 {
         self.lowest
+    }
+
+    /// Flow stress at p and ln ṗ, where slow flow has that of `slow`.
+    #[inline(always)]
+    pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: Lane<L>, log_rate: Lane<L>) -> RatedFlow<L> {
+        let mut out = RatedFlow { stress: slow.stress, by_strain: slow.slope, by_log_rate: splat(0.0) };
+        let (mut below, mut slope) = (slow.stress, slow.slope);
+        for Step { interval, curve, .. } in &self.steps {
+            let above = curve.flow(p);
+            let weight = interval.weight(log_rate);
+            let rise = above.stress - below;
+            out.stress += weight * rise;
+            out.by_strain += weight * (above.slope - slope);
+            let is_inside = weight.above(0.0) & weight.below(1.0);
+            out.by_log_rate += is_inside.select(interval.per_log() * rise, 0.0);
+            (below, slope) = (above.stress, above.slope);
+        }
+        out
     }
 }
 
@@ -130,26 +146,6 @@ impl FlowRate {
             FlowRate::Independent => slow.stress[0],
             FlowRate::Table(table) => table.flow(&slow, one(p), one(ln(rate))).stress[0],
         }
-    }
-}
-
-impl RateTable {
-    /// Flow stress at p and ln ṗ, where slow flow has that of `slow`.
-    #[inline(always)]
-    pub(super) fn flow<const L: usize>(&self, slow: &Flow<L>, p: Lane<L>, log_rate: Lane<L>) -> RatedFlow<L> {
-        let mut out = RatedFlow { stress: slow.stress, by_strain: slow.slope, by_log_rate: splat(0.0) };
-        let (mut below, mut slope) = (slow.stress, slow.slope);
-        for Step { interval, curve, .. } in &self.steps {
-            let above = curve.flow(p);
-            let weight = interval.weight(log_rate);
-            let rise = above.stress - below;
-            out.stress += weight * rise;
-            out.by_strain += weight * (above.slope - slope);
-            let is_inside = weight.above(0.0) & weight.below(1.0);
-            out.by_log_rate += is_inside.select(interval.per_log() * rise, 0.0);
-            (below, slope) = (above.stress, above.slope);
-        }
-        out
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stress, energy and slope of fibres with curves by strain rate.
 
 use super::super::fibre::FibreLaw;
-use super::super::{Absorption, Curve};
+use super::super::{Absorption, Curve, Strained};
 use super::{RateCurves, RateHistory, mix};
 use crate::lane::{Lane, splat};
 
@@ -48,13 +48,8 @@ impl RateCurves {
 
     /// Strain on the present curve that has the stress of fibres at `strain`: ε_m − β(ε_m − ε).
     #[inline(always)]
-    fn curve_strain<const L: usize>(
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &RateHistory<L>,
-        peak_energy: Lane<L>,
-    ) -> Lane<L> {
-        history.peak - (history.peak - strain) * RateCurves::steepening(absorption, history, peak_energy)
+    fn curve_strain<const L: usize>(at: Strained<'_, L>, history: &RateHistory<L>, peak_energy: Lane<L>) -> Lane<L> {
+        history.peak - (history.peak - at.strain) * RateCurves::steepening(at.absorption, history, peak_energy)
     }
 
     /// β: slope on unloading over that of the present curve.
@@ -65,16 +60,11 @@ impl RateCurves {
         (peak_energy / (peak_energy + history.surplus)).max(absorption.steepening())
     }
 
-    /// Stress (Pa) at `strain`, which is not above the largest so far.
+    /// Stress (Pa) at a strain that is not above the largest so far.
     #[inline(always)]
-    fn stress_below<const L: usize>(
-        &self,
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &RateHistory<L>,
-    ) -> Lane<L> {
+    fn stress_below<const L: usize>(&self, at: Strained<'_, L>, history: &RateHistory<L>) -> Lane<L> {
         let log_rate = self.log_rate(history.slowness);
-        let curve_strain = RateCurves::curve_strain(absorption, strain, history, self.peak_energy(log_rate, history));
+        let curve_strain = RateCurves::curve_strain(at, history, self.peak_energy(log_rate, history));
         mix!(self, log_rate, curve => curve.stress_lanes(curve_strain))
     }
 }
@@ -83,51 +73,30 @@ impl FibreLaw for RateCurves {
     type History<const L: usize> = RateHistory<L>;
 
     #[inline(always)]
-    fn stress<const L: usize>(
-        &self,
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &mut RateHistory<L>,
-        dt: f64,
-    ) -> Lane<L> {
-        self.update(strain, history, dt);
-        self.stress_below(absorption, strain, history)
+    fn stress<const L: usize>(&self, at: Strained<'_, L>, history: &mut RateHistory<L>, dt: f64) -> Lane<L> {
+        self.update(at.strain, history, dt);
+        self.stress_below(at, history)
     }
 
     #[inline(always)]
-    fn stress_near<const L: usize>(
-        &self,
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &RateHistory<L>,
-    ) -> Lane<L> {
-        let raised = RateHistory { peak: strain.max(history.peak), ..*history };
-        self.stress_below(absorption, strain, &raised)
+    fn stress_near<const L: usize>(&self, at: Strained<'_, L>, history: &RateHistory<L>) -> Lane<L> {
+        let raised = RateHistory { peak: at.strain.max(history.peak), ..*history };
+        self.stress_below(at, &raised)
     }
 
     #[inline(always)]
-    fn energy<const L: usize>(
-        &self,
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &RateHistory<L>,
-    ) -> (Lane<L>, Lane<L>) {
+    fn energy<const L: usize>(&self, at: Strained<'_, L>, history: &RateHistory<L>) -> (Lane<L>, Lane<L>) {
         let log_rate = self.log_rate(history.slowness);
         let peak_energy = self.peak_energy(log_rate, history);
-        let curve_strain = RateCurves::curve_strain(absorption, strain, history, peak_energy);
+        let curve_strain = RateCurves::curve_strain(at, history, peak_energy);
         let whole = mix!(self, log_rate, curve => curve.read(curve_strain).energy);
-        let returned = ((peak_energy + history.surplus) / peak_energy).min(1.0 - absorption.share());
+        let returned = ((peak_energy + history.surplus) / peak_energy).min(1.0 - at.absorption.share());
         (whole * returned, history.surplus + (1.0 - returned) * peak_energy)
     }
 
     #[inline(always)]
-    fn largest_slope<const L: usize>(
-        &self,
-        absorption: &Absorption,
-        strain: Lane<L>,
-        history: &RateHistory<L>,
-        reach: f64,
-    ) -> Lane<L> {
+    fn largest_slope<const L: usize>(&self, at: Strained<'_, L>, history: &RateHistory<L>, reach: f64) -> Lane<L> {
+        let Strained { strain, absorption } = at;
         // The rate grows by at most the factor e within λ, and from zero to any rate.
         let fastest = self.log_rate(history.slowness) + reach / history.peak.min(self.averaging_strain);
         let mut steepening = splat(absorption.steepening());

@@ -4,7 +4,6 @@ mod energy;
 
 use std::f64::consts::PI;
 
-use super::step::decay;
 use super::*;
 use crate::lane::{Lane, one, splat};
 use crate::material::hyperelastic::{Hyperelastic, Polynomial};
