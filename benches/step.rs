@@ -469,7 +469,7 @@ fn impactors() {
     println!("| impactor | steps | s | times the sphere | µs a step | times the sphere's |\n|---|---|---|---|---|---|");
     let folder = std::env::temp_dir().join(format!("droptower-bench-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let mesh = |cuts: u32| {
+    let mesh = |cuts: usize| {
         let path = folder.join(format!("sphere-{cuts}.obj"));
         std::fs::write(&path, sphere_of_triangles(cuts)).expect("a file");
         format!("mesh = '{}'", path.display())
@@ -506,33 +506,9 @@ fn impactors() {
     let _ = std::fs::remove_dir_all(&folder);
 }
 
-/// A sphere of 120 mm radius as an OBJ file in m: an icosahedron, every triangle cut in four `cuts` times over.
-fn sphere_of_triangles(cuts: u32) -> String {
-    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    let mut corners: Vec<[f64; 3]> = vec![];
-    for (a, b) in [(-1.0, -golden), (1.0, -golden), (-1.0, golden), (1.0, golden)] {
-        corners.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(on_sphere));
-    }
-    let near = |p: [f64; 3], q: [f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>() < 1.2;
-    let mut triangles: Vec<[[f64; 3]; 3]> = vec![];
-    for (k, p) in corners.iter().enumerate() {
-        for (l, q) in corners.iter().enumerate().skip(k + 1) {
-            for r in corners[l + 1..].iter().filter(|r| near(*p, *q) && near(*q, **r) && near(**r, *p)) {
-                let volume = p[0] * (q[1] * r[2] - q[2] * r[1])
-                    + p[1] * (q[2] * r[0] - q[0] * r[2])
-                    + p[2] * (q[0] * r[1] - q[1] * r[0]);
-                triangles.push(if volume > 0.0 { [*p, *q, *r] } else { [*p, *r, *q] });
-            }
-        }
-    }
-    for _ in 0..cuts {
-        let middle = |p: [f64; 3], q: [f64; 3]| on_sphere([0, 1, 2].map(|k| p[k] + q[k]));
-        let quarters = |[p, q, r]: [[f64; 3]; 3]| {
-            let (pq, qr, rp) = (middle(p, q), middle(q, r), middle(r, p));
-            [[p, pq, rp], [pq, q, qr], [rp, qr, r], [pq, qr, rp]]
-        };
-        triangles = triangles.into_iter().flat_map(quarters).collect();
-    }
+/// A sphere of 120 mm radius as an OBJ file in m.
+fn sphere_of_triangles(cuts: usize) -> String {
+    let triangles = thorough::sphere_of_triangles(cuts);
     let mut vertices: Vec<[f64; 3]> = triangles.iter().flatten().copied().collect();
     let in_order = |p: &[f64; 3], q: &[f64; 3]| p.partial_cmp(q).expect("numbers");
     vertices.sort_by(in_order);
@@ -540,12 +516,6 @@ fn sphere_of_triangles(cuts: u32) -> String {
     let number = |p: &[f64; 3]| vertices.binary_search_by(|q| in_order(q, p)).expect("a vertex") + 1;
     let faces = triangles.iter().map(|[p, q, r]| format!("f {} {} {}\n", number(p), number(q), number(r)));
     vertices.iter().map(|[x, y, z]| format!("v {} {} {}\n", 0.12 * x, 0.12 * y, 0.12 * z)).chain(faces).collect()
-}
-
-/// The point of the unit sphere in the same direction.
-fn on_sphere(point: [f64; 3]) -> [f64; 3] {
-    let length = point.iter().map(|x| x * x).sum::<f64>().sqrt();
-    point.map(|x| x / length)
 }
 
 /// Two threads against one.

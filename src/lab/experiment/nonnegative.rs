@@ -77,11 +77,8 @@ mod tests {
     use super::*;
 
     fn sample(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        }
+        let mut random = thorough::random(seed);
+        move || random() - 0.5
     }
 
     /// The best of all subsets of columns whose free solution is positive.

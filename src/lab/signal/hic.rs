@@ -303,12 +303,7 @@ mod tests {
 
     /// Values that look like noise, the same in every run.
     fn noise(count: usize, seed: u64) -> Vec<f64> {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..count).map(|_| next()).collect()
+        std::iter::repeat_with(thorough::random(seed)).take(count).collect()
     }
 
     #[test]

@@ -9,13 +9,13 @@ pub(in crate::material) fn film(absorption: f64) -> Fabric {
     Fabric::new(md, td, shear, absorption)
 }
 
-/// A sequence of numbers in 0..1.
-pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
+/// Where `f`, negative at `low` and positive at `high`, is zero, by halves.
+pub(super) fn zero(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if f(middle) < 0.0 { low = middle } else { high = middle }
     }
+    0.5 * (low + high)
 }
 
 /// Principal stretches along directions that are turned in the film and in space.

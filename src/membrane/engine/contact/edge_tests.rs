@@ -85,31 +85,8 @@ fn box_mesh(name: &'static str, size: [f64; 3]) -> Body {
 
 /// The icosahedron of `radius`, every triangle cut in four `times` over.
 fn icosphere(name: &'static str, radius: f64, times: usize) -> Body {
-    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    let mut corners: Vec<Vector3<f64>> = vec![];
-    for (a, b) in [(-1.0, -golden), (1.0, -golden), (-1.0, golden), (1.0, golden)] {
-        corners.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(|c| Vector3::from(c).normalize()));
-    }
-    let mut triangles: Vec<[Vector3<f64>; 3]> = vec![];
-    for a in 0..12 {
-        for b in a + 1..12 {
-            for c in b + 1..12 {
-                let [p, q, r] = [corners[a], corners[b], corners[c]];
-                if (p - q).norm().max((q - r).norm()).max((r - p).norm()) < 1.06 {
-                    let outward = (q - p).cross(&(r - p)).dot(&p) > 0.0;
-                    triangles.push(if outward { [p, q, r] } else { [p, r, q] });
-                }
-            }
-        }
-    }
-    for _ in 0..times {
-        let quarter = |[a, b, c]: &[Vector3<f64>; 3]| {
-            let [ab, bc, ca] = [(a + b), (b + c), (c + a)].map(|v| v.normalize());
-            [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
-        };
-        triangles = triangles.iter().flat_map(quarter).collect();
-    }
-    let vertices = triangles.iter().flatten().map(|v| Point3::from(v * radius)).collect();
+    let triangles = thorough::sphere_of_triangles(times);
+    let vertices = triangles.iter().flatten().map(|corner| Point3::from(corner.map(|x| x * radius))).collect();
     mesh(name, vertices, (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
 }
 

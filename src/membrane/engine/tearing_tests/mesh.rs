@@ -30,17 +30,13 @@ impl Shape {
         let Shape { edges: [along, across], turned, skew, uneven, triangles } = *self;
         let reach = length + height;
         let [columns, rows] = [along, across].map(|edge| (2 * (reach / edge).ceil() as u32) | 1);
-        let mut seed = 1_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = thorough::random(1);
         let (sin, cos) = turned.to_radians().sin_cos();
         let places: Vec<Point3<f64>> = (0..=rows)
             .flat_map(|j| (0..=columns).map(move |i| (f64::from(i), f64::from(j))))
             .map(|(i, j)| {
                 let row = j - 0.5 * f64::from(rows);
-                let [a, b] = [random(), random()].map(|r| 2.0 * uneven * r);
+                let [a, b] = [random(), random()].map(|r| 2.0 * uneven * (r - 0.5));
                 let x = (i - 0.5 * f64::from(columns) + skew * row % 1.0 + a) * along;
                 // Jaws hold straight lines of an even mesh.
                 let is_held = turned == 0.0 && row.abs() * across > 0.5 * height - 1e-9;

@@ -46,11 +46,7 @@ fn absorbed_energy_grows_on_random_paths() {
     fn check<M: MembraneLaw<History<1> = PeakStrains<1>> + Clone>(name: &str, law: M, strain: f64, tolerance: f64) {
         let viscosity = series(&[[0.3, 1e-3], [0.3, 3e-2]]);
         let mut point = Point::new(law, viscosity).mounted(&plane(1.0, 0.0, 1.0));
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1_u64 << 31) as f64
-        };
+        let mut random = thorough::random(1);
         let (mut from, mut most, mut fall) = ([1.0, 0.0, 1.0], 0.0_f64, 0.0_f64);
         for _ in 0..60 {
             let to = [1.0 + strain * random(), strain * (random() - 0.5), 1.0 + strain * random()];
