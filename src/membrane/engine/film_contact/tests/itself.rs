@@ -36,40 +36,6 @@ pub(super) fn mount(mesh: &Mesh, section: &Section, velocity: impl Fn(Vector3<f6
     (film, nodes)
 }
 
-/// Pairs of triangles of one film that cross each other, but for those that have no other point in common than film that
-/// is connected has.
-pub(super) fn crossing_pairs(film: &Film, nodes: &Nodes) -> usize {
-    let at = |n: u32| Vector3::from(nodes.position.value_at(n as usize));
-    let mut all: Vec<[u32; 3]> = vec![];
-    film.for_each_intact(|corners| {
-        all.push([corners[0], corners[1], corners[2]]);
-        if corners.len() == 4 {
-            all.push([corners[0], corners[2], corners[3]]);
-        }
-    });
-    let low = |t: &[u32; 3]| at(t[0]).inf(&at(t[1])).inf(&at(t[2]));
-    let high = |t: &[u32; 3]| at(t[0]).sup(&at(t[1])).sup(&at(t[2]));
-    let boxes: Vec<_> = all.iter().map(|t| (low(t), high(t))).collect();
-    let pierced =
-        |edge: [u32; 2], t: &[u32; 3]| !edge.iter().any(|n| t.contains(n)) && pierces(edge.map(at), t.map(at));
-    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let mut count = 0;
-    for (k, s) in all.iter().enumerate() {
-        for (l, t) in all.iter().enumerate().skip(k + 1) {
-            let apart = (0..3).any(|axis| boxes[k].0[axis] > boxes[l].1[axis] || boxes[l].0[axis] > boxes[k].1[axis]);
-            if !apart {
-                let cross = edges(s).into_iter().any(|e| pierced(e, t)) || edges(t).into_iter().any(|e| pierced(e, s));
-                count += usize::from(cross);
-            }
-        }
-    }
-    count
-}
-
-fn self_crossings(view: &View<'_>) -> usize {
-    view.films.iter().map(|film| crossing_pairs(film, view.nodes)).sum()
-}
-
 /// Least distance of parts of film over each other, m.
 const LEAST: f64 = 0.8 * THICKNESS;
 
@@ -107,7 +73,7 @@ impl Run {
             let now = self.after(steps);
             let crossed = self.observe(|view| {
                 look(view);
-                self_crossings(view)
+                crossings(view.films, view.nodes, true)
             });
             course.crossings = course.crossings.max(crossed);
             course.distance = course.distance.min(now.contact.distance);

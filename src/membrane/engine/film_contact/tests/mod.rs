@@ -147,25 +147,31 @@ fn pierces([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> bool {
     first >= 0.0 && second >= 0.0 && first + second <= 1.0 && (0.0..=1.0).contains(&along)
 }
 
-/// Pairs of triangles of different films that cross each other.
-fn crossings(view: &View<'_>) -> usize {
-    let all: Vec<_> = view.films.iter().map(|film| triangles(film, view.nodes)).collect();
-    let low = |t: &[Vector3<f64>; 3]| t[0].inf(&t[1]).inf(&t[2]);
-    let high = |t: &[Vector3<f64>; 3]| t[0].sup(&t[1]).sup(&t[2]);
-    let apart = |s: &[Vector3<f64>; 3], t: &[Vector3<f64>; 3]| {
-        let (a, b) = (low(s) - high(t), low(t) - high(s));
-        (0..3).any(|k| a[k] > 0.0 || b[k] > 0.0)
-    };
-    let edges = |t: &[Vector3<f64>; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+/// Pairs of triangles of one film, or of different ones, that cross each other, but for those that have no other point in common
+/// than film that is connected has. Along x, what lies beyond the end of a triangle is not looked at.
+fn crossings(films: &[Film], nodes: &Nodes, of_one: bool) -> usize {
+    let at = |n: u32| Vector3::from(nodes.position.value_at(n as usize));
+    let mut all: Vec<(usize, [u32; 3], [Vector3<f64>; 2])> = vec![];
+    for (number, film) in films.iter().enumerate() {
+        film.for_each_intact(|corners| {
+            for half in &[[0, 1, 2], [0, 2, 3]][..corners.len() - 2] {
+                let triangle = half.map(|k: usize| corners[k]);
+                let [a, b, c] = triangle.map(at);
+                all.push((number, triangle, [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]));
+            }
+        });
+    }
+    all.sort_by(|s, t| s.2[0].x.total_cmp(&t.2[0].x));
+    let pierced =
+        |edge: [u32; 2], t: &[u32; 3]| !edge.iter().any(|n| t.contains(n)) && pierces(edge.map(at), t.map(at));
+    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let mut count = 0;
-    for (k, one) in all.iter().enumerate() {
-        for other in &all[k + 1..] {
-            for s in one {
-                for t in other.iter().filter(|t| !apart(s, t)) {
-                    let cross =
-                        edges(s).into_iter().any(|e| pierces(e, *t)) || edges(t).into_iter().any(|e| pierces(e, *s));
-                    count += usize::from(cross);
-                }
+    for (k, (film, s, [low, high])) in all.iter().enumerate() {
+        for (other, t, [bottom, top]) in all[k + 1..].iter().take_while(|t| t.2[0].x <= high.x) {
+            let apart = (0..3).any(|axis| low[axis] > top[axis] || bottom[axis] > high[axis]);
+            if (film == other) == of_one && !apart {
+                let cross = edges(s).into_iter().any(|e| pierced(e, t)) || edges(t).into_iter().any(|e| pierced(e, s));
+                count += usize::from(cross);
             }
         }
     }
@@ -206,7 +212,7 @@ impl Run {
             angular_momentum: angular_momentum(view),
             energies: view.energies(),
             contact: view.film_contact_state().unwrap(),
-            crossings: crossings(view),
+            crossings: crossings(view.films, view.nodes, false),
             spared: view.engine.film_contact.as_ref().unwrap().count_spared(&view.nodes.position),
         })
     }

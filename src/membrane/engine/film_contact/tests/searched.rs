@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::itself::{crossing_pairs, grid, mount, section};
+use super::itself::{grid, mount, section};
 use super::numbers::Numbers;
 use super::*;
 use crate::engine::film_contact::self_contact::SelfContact;
@@ -37,6 +37,10 @@ impl Face {
 
     fn contact(&self) -> SelfContact {
         SelfContact::new(std::slice::from_ref(&self.film), &self.surface, &self.flat)
+    }
+
+    fn crossings(&self) -> usize {
+        crossings(std::slice::from_ref(&self.film), &self.nodes, true)
     }
 
     /// Distance by which points may come nearer to each other until it is searched, m, and the pairs that are found.
@@ -200,7 +204,7 @@ fn no_film_that_meets_itself_is_missed() {
             let waves: Vector3<f64> = waves.iter().map(of_wave).sum();
             (turn * (Vector3::new(even.x, even.y, 0.0) + waves)).into()
         });
-        let crosses = crossing_pairs(&face.film, &face.nodes) > 0;
+        let crosses = face.crossings() > 0;
         crossed += usize::from(crosses);
         let mut itself = face.contact();
         let spared = itself.spared(&face.surface, &face.nodes.position);
@@ -222,7 +226,7 @@ fn no_film_that_meets_itself_is_missed() {
             let moved = Vector3::from(face.nodes.position.value_at(n)) + 0.5 * spared * numbers.vector().normalize();
             face.nodes.position.set(n, moved.into());
         }
-        assert_eq!(crossing_pairs(&face.film, &face.nodes), 0, "sheet {sheet}");
+        assert_eq!(face.crossings(), 0, "sheet {sheet}");
         assert_eq!(itself.parts_within(&face.surface, &face.nodes.position, Some(bound)), 0, "sheet {sheet}");
     }
     println!("{crossed} cross themselves, {untold} of them untold, {spared_ones} are not searched, {searched} are");
