@@ -54,6 +54,11 @@ fn reading(recording: &Recording) -> Series {
     recording.series("accelerometer_m_s2").unwrap()
 }
 
+fn of_samples(samples: impl IntoIterator<Item = [f64; 2]>) -> Series {
+    let (time, values): (Vec<f64>, Vec<f64>) = samples.into_iter().map(<(f64, f64)>::from).unzip();
+    Series::new(time, values)
+}
+
 fn reduced(recording: &Recording, reduction: &Reduction) -> Result<Drop, crate::Error> {
     reduce(&reading(recording), recording.series("laser_m").as_ref(), &TOWER, reduction)
 }
@@ -180,8 +185,7 @@ fn other_units_and_signs_are_named() {
     let (recording, ..) = recorded(&Sensors { accelerometer, laser: None, ..Sensors::default() }, 1);
     let reading = reading(&recording);
     let times = |factor: f64| reading.with_values(reading.values().iter().map(|r| factor * r).collect());
-    let milliseconds =
-        Series::new(reading.time().iter().map(|t| 1e3 * t).collect::<Vec<_>>(), reading.values().to_vec());
+    let milliseconds = of_samples(reading.samples().map(|[t, v]| [1e3 * t, v]));
     for (series, expected) in [
         (times(9.81), "as if it were in m/s² and was read in g"),
         (times(1.0 / 9.81), "as if it were in g and was read in m/s²"),
@@ -198,19 +202,11 @@ fn other_units_and_signs_are_named() {
 fn constant_samples_of_a_laser_count_as_not_measured() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 5);
     let laser = recording.series("laser_m").unwrap();
-    let mut last = 0.015;
-    let held = laser.with_values(
-        laser
-            .values()
-            .iter()
-            .map(|v| {
-                if v.is_finite() {
-                    last = *v;
-                }
-                last
-            })
-            .collect(),
-    );
+    let hold = |last: &mut f64, v: &f64| {
+        *last = if v.is_finite() { *v } else { *last };
+        Some(*last)
+    };
+    let held = laser.with_values(laser.values().iter().scan(0.015, hold).collect());
     let zero = laser.with_values(laser.values().iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect());
     for laser in [held, zero] {
         let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
@@ -323,11 +319,8 @@ fn a_nearly_repeated_time_changes_little() {
     let mut samples: Vec<[f64; 2]> = reading.samples().collect();
     let [time, value] = samples[1000];
     samples.insert(1001, [time + 1e-13, value]);
-    let twice = Series::new(
-        samples.iter().map(|[t, _]| *t).collect::<Vec<_>>(),
-        samples.iter().map(|[_, v]| *v).collect::<Vec<_>>(),
-    );
-    let drop = reduce(&twice, recording.series("laser_m").as_ref(), &TOWER, &Reduction::default()).unwrap();
+    let drop =
+        reduce(&of_samples(samples), recording.series("laser_m").as_ref(), &TOWER, &Reduction::default()).unwrap();
     assert!((drop.contact.time - contact_time).abs() < 2e-4);
 }
 
@@ -335,12 +328,8 @@ fn a_nearly_repeated_time_changes_little() {
 fn uneven_samples_are_brought_to_even_ones() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
     let reading = reading(&recording);
-    let kept = |index: &usize| index % 7 != 3 || *index < 2000;
-    let at: Vec<usize> = (0..reading.len()).filter(kept).collect();
-    let uneven = Series::new(
-        at.iter().map(|i| reading.time()[*i]).collect::<Vec<_>>(),
-        at.iter().map(|i| reading.values()[*i]).collect::<Vec<_>>(),
-    );
+    let kept = reading.samples().enumerate().filter(|(index, _)| index % 7 != 3 || *index < 2000);
+    let uneven = of_samples(kept.map(|(_, sample)| sample));
     let laser = recording.series("laser_m").unwrap();
     let drop = reduce(&uneven, Some(&laser), &TOWER, &Reduction::default()).unwrap();
     assert!((drop.contact.time - contact_time).abs() < 2e-4);
@@ -369,10 +358,7 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     let cfc_1000 = Reduction { class: Class::Given(1000.0), ..default };
     let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
     let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
-    let slow = Series::new(
-        reading.time().iter().step_by(10).copied().collect::<Vec<_>>(),
-        reading.values().iter().step_by(10).copied().collect::<Vec<_>>(),
-    );
+    let slow = of_samples(reading.samples().step_by(10));
     for (found, expected) in [
         (refusal(&reading, &weightless, &default), "the mass is 0, but must be positive"),
         (refusal(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
