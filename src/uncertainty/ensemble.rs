@@ -586,7 +586,7 @@ mod tests {
     #[test]
     fn the_deviation_of_a_hierarchy_has_the_quantiles_of_quadrature() {
         let mut stream = Stream::new(8);
-        for (count, scatter) in [(10, 0.0), (40, 0.0), (10, 0.05), (10, 0.5)] {
+        for (count, scatter) in thorough::first(3, [(10, 0.0), (10, 0.05), (10, 0.5), (40, 0.0)]) {
             let target = Specimens::new((0..count).map(|_| scatter * stream.normal()).collect(), 0.05, 0.3);
             let mut draws = Stream::new(1);
             let start = || {

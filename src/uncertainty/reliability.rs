@@ -408,6 +408,20 @@ mod tests {
         assert!((often.probability.value - normal::cumulative(1.5)).abs() < 0.04 && often.thresholds == [0.0]);
     }
 
+    /// Of studies of one probability: the mean of their estimates over it, less one, the scatter of those, what they say that it is,
+    /// and how many intervals hold it.
+    fn of_studies(name: &str, exact: f64, results: &[Probability]) -> ([f64; 3], u64) {
+        let said = mean(&results.iter().map(|found| found.variation.unwrap()).collect::<Vec<f64>>()).unwrap();
+        let ratios: Vec<f64> = results.iter().map(|found| found.value / exact).collect();
+        let (bias, scatter) = (mean(&ratios).unwrap() - 1.0, deviation(&ratios).unwrap());
+        let covered = results.iter().filter(|found| found.interval.contains(exact)).count() as u64;
+        let studies = results.len();
+        println!(
+            "{name}, {exact:.1e}: bias {bias:.4}, scatter {scatter:.4}, said {said:.4}, covered {covered} of {studies}"
+        );
+        ([bias, scatter, said], covered)
+    }
+
     /// Estimates over seeds: without bias beyond the order of 1/N, and within the 95 % intervals at least as often as these say.
     /// With levels taken for independent, 224 to 278 of 300 would be.
     #[test]
@@ -430,13 +444,7 @@ mod tests {
             let results: Vec<Probability> = (0..studies as u64)
                 .map(|seed| subset_simulation(inputs, &options(seed), &mut *limit).unwrap().probability)
                 .collect();
-            let said = mean(&results.iter().map(|found| found.variation.unwrap()).collect::<Vec<f64>>()).unwrap();
-            let ratios: Vec<f64> = results.iter().map(|found| found.value / exact).collect();
-            let (bias, scatter) = (mean(&ratios).unwrap() - 1.0, deviation(&ratios).unwrap());
-            let covered = results.iter().filter(|found| found.interval.contains(exact)).count();
-            println!(
-                "{name}, {exact:.1e}: bias {bias:.3}, scatter {scatter:.3}, said {said:.3}, covered {covered} of {studies}"
-            );
+            let ([bias, scatter, said], covered) = of_studies(name, exact, &results);
             assert!(bias.abs() < 0.02 + 3.0 * scatter / (studies as f64).sqrt(), "{name}: {bias}");
             assert!(covered as f64 >= 0.95 * studies as f64, "{name}: {covered}");
             // An upper bound, but no more than some times the scatter.
@@ -465,13 +473,7 @@ mod tests {
         ];
         for (name, exact, study) in cases {
             let results: Vec<Probability> = (0..studies).map(study).collect();
-            let ratios: Vec<f64> = results.iter().map(|found| found.value / exact).collect();
-            let said = mean(&results.iter().map(|found| found.variation.unwrap()).collect::<Vec<f64>>()).unwrap();
-            let (bias, scatter) = (mean(&ratios).unwrap() - 1.0, deviation(&ratios).unwrap());
-            let covered = results.iter().filter(|found| found.interval.contains(exact)).count() as u64;
-            println!(
-                "{name}, {exact:.1e}: bias {bias:.4}, scatter {scatter:.4}, said {said:.4}, covered {covered} of {studies}"
-            );
+            let ([bias, scatter, said], covered) = of_studies(name, exact, &results);
             let coverage = wilson(covered, studies, 0.999);
             assert!(coverage.contains(0.95), "{name}, {exact:e}: {covered}: {coverage:?}");
             // Of the mean of the studies, and of the scatter of so many (its deviation is 4 % of it).

@@ -652,31 +652,21 @@ mod tests {
             groups.iter().map(|&(level, trials, failures)| Counts { level, trials, failures }).collect()
         };
         let refused = |groups: &[(f64, u64, u64)]| probit(&counts(groups), 0.95).unwrap_err();
-        assert_eq!(
-            refused(&[(1.0, 3, 0), (2.0, 3, 3)]),
-            Error::new(
-                "specimens survive up to level 1 and fail from \
-             level 2 on: outcomes that do not overlap tell no deviation"
+        let apart = |level: u32| {
+            format!(
+                "specimens survive up to level {level} and fail from level 2 on: outcomes that do not overlap tell no deviation"
             )
-            .of_kind(Kind::NoFit)
-        );
-        assert_eq!(
-            refused(&[(1.0, 3, 0), (2.0, 3, 1), (3.0, 2, 2)]),
-            Error::new(
-                "specimens survive up to level 2 and fail from level 2 on: outcomes that do not overlap tell no \
-             deviation"
-            )
-            .of_kind(Kind::NoFit)
-        );
-        assert_eq!(refused(&[(1.0, 3, 3)]), Error::new("all 3 specimens had the same outcome").of_kind(Kind::NoFit));
-        assert_eq!(
-            refused(&[(1.0, 4, 3), (2.0, 4, 1)]),
-            Error::new("failures do not become more frequent with the level").of_kind(Kind::NoFit)
-        );
-        assert_eq!(
-            refused(&[(1.0, 4, 4), (2.0, 4, 0)]),
-            Error::new("failures do not become more frequent with the level").of_kind(Kind::NoFit)
-        );
+        };
+        let falls = "failures do not become more frequent with the level";
+        for (groups, expected) in [
+            (&[(1.0, 3, 0), (2.0, 3, 3)][..], apart(1)),
+            (&[(1.0, 3, 0), (2.0, 3, 1), (3.0, 2, 2)], apart(2)),
+            (&[(1.0, 3, 3)], "all 3 specimens had the same outcome".into()),
+            (&[(1.0, 4, 3), (2.0, 4, 1)], falls.into()),
+            (&[(1.0, 4, 4), (2.0, 4, 0)], falls.into()),
+        ] {
+            assert_eq!(refused(groups), Error::new(expected).of_kind(Kind::NoFit));
+        }
         assert_eq!(refused(&[(1.0, 4, 5)]), Error::new("at level 1 5 of 4 specimens failed: not counts at a level"));
         assert_eq!(Staircase::new(1.0, 0.0), Err(Error::new("the step is 0, but must be positive and finite")));
         // Few overlapping outcomes tell a distribution, but do not bound it.
