@@ -123,8 +123,6 @@ fn ls_dyna_reads_the_curves_of_fabric() {
             close(read(curve(1), strain) * system.stress(), td, 2e-6, "TD");
         }
         // Simple shear keeps the first fibre: with γ = atan s, P₁₂ is τ dγ/ds beside the tension of the second fibre.
-        let (_, _, shear) = lldpe();
-        let _ = shear;
         close(read(curve(2), 0.1) * system.stress(), 1.3e6, 2e-6, "shear");
         // The largest slope, for time step and contact.
         close(number(&cards[0][2]) * system.stress(), 8.4e6 / 0.0277257, 2e-6, "EA");

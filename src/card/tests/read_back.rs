@@ -171,36 +171,7 @@ fn lankford_values_and_tables_by_rate_that_were_written_are_read() {
 }
 
 /// Written by hand, in free format, with Fortran's exponents, a title, other keywords and lines of another system.
-const BY_HAND: &str = "$ a card of somebody's\r
-*KEYWORD\r
-*PART\r
-film\r
-         1         1         7\r
-*MAT_FABRIC_TITLE\r
-PA fabric\r
-7,7.8-10,400.,300.,,0.1\r
-120.\r
-2.0,,,,,14\r
-\r
-\r
-11,12,13\r
-*DEFINE_CURVE\r
-        11         0       2.0      1.+1\r
-                 0.0                 0.0\r
-                0.05                 0.8\r
-                 0.1                 1.0\r
-*DEFINE_CURVE\r
-12\r
-0,0\r
-.3,60.\r
-*DEFINE_CURVE\r
-13\r
-                -0.5                 0.0\r
-                   0                   0\r
-                 0.6                 3.0\r
-*END\r
-this is no longer read\r
-";
+const BY_HAND: &str = include_str!("cards/by-hand.k");
 
 #[test]
 fn a_card_by_hand_is_read_with_what_it_has_besides() {
