@@ -81,5 +81,4 @@ fn unloading_returns_one_minus_d() {
             }
         }
     }
-    claims.judge();
 }

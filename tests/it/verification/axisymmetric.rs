@@ -11,6 +11,8 @@
 //! On a frictionless ball of radius ϱ the film has r = ϱ sin φ, and along the meridian ϱ φ′ = λ₁, (R P₁)′ = P₂ cos φ.
 //! Nothing of droptower is used.
 
+use super::solve::runge_kutta;
+
 /// Isotropic film of St. Venant–Kirchhoff in plane stress.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet {
@@ -274,31 +276,6 @@ impl Shape {
         let share = (at - a) / (b - a);
         [0, 1].map(|i| self.place[next - 1][i] * (1.0 - share) + self.place[next][i] * share)
     }
-}
-
-/// One step of the classical method of fourth order. Loops are inlined, `map` and `from_fn` are not (docs/performance.md).
-fn runge_kutta<const N: usize>(
-    slope: &impl Fn(f64, [f64; N]) -> [f64; N],
-    at: f64,
-    y: [f64; N],
-    step: f64,
-) -> [f64; N] {
-    let moved = |by: f64, k: &[f64; N]| {
-        let mut moved = y;
-        for i in 0..N {
-            moved[i] += by * step * k[i];
-        }
-        moved
-    };
-    let a = slope(at, y);
-    let b = slope(at + 0.5 * step, moved(0.5, &a));
-    let c = slope(at + 0.5 * step, moved(0.5, &b));
-    let d = slope(at + step, moved(1.0, &c));
-    let mut next = y;
-    for i in 0..N {
-        next[i] += step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-    }
-    next
 }
 
 /// Where `f` is below `small` in all components, by Newton's method with differences, from `x`.

@@ -1,6 +1,6 @@
 //! Figures beside their bounds.
 
-/// Collects figures, prints each beside its bound, and fails after the last one.
+/// Collects figures, prints each beside its bound, and fails at the end of the test if one was missed.
 pub struct Claims {
     test: &'static str,
     missed: Vec<String>,
@@ -14,13 +14,13 @@ impl Claims {
 
     /// `figure` is at most `bound`; NaN is not.
     pub fn at_most(&mut self, what: &str, figure: f64, bound: f64) {
-        self.line(what, &format!("{figure:.3e}, at most {bound:e}"), figure <= bound);
+        self.holds(what, &format!("{figure:.3e}, at most {bound:e}"), figure <= bound);
     }
 
     /// `figure` lies within `share` of `reference`.
     pub fn near(&mut self, what: &str, figure: f64, reference: f64, share: f64) {
         let off = (figure / reference - 1.0).abs();
-        self.line(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:e}"), off <= share);
+        self.holds(what, &format!("{figure:.6e} for {reference:.6e}, off by {off:.2e} of {share:e}"), off <= share);
     }
 
     /// `errors` on meshes of halved element size decrease with at least `order`.
@@ -29,24 +29,23 @@ impl Claims {
         let least = slopes.iter().copied().fold(f64::INFINITY, f64::min);
         let printed: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();
         let converges = errors.len() > 1 && slopes.iter().all(|slope| *slope >= order);
-        self.line(what, &format!("errors {}, order {least:.2}, at least {order}", printed.join(", ")), converges);
+        self.holds(what, &format!("errors {}, order {least:.2}, at least {order}", printed.join(", ")), converges);
     }
 
     /// `holds` is true; `figures` are printed.
     pub fn holds(&mut self, what: &str, figures: &str, holds: bool) {
-        self.line(what, figures, holds);
-    }
-
-    fn line(&mut self, what: &str, figures: &str, holds: bool) {
         let line = format!("{} | {what} | {figures}", self.test);
         println!("{line}{}", if holds { "" } else { " | MISSED" });
         if !holds {
             self.missed.push(line);
         }
     }
+}
 
-    /// Fails if any claim was missed.
-    pub fn judge(self) {
-        assert!(self.missed.is_empty(), "missed:\n{}", self.missed.join("\n"));
+impl Drop for Claims {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            assert!(self.missed.is_empty(), "missed:\n{}", self.missed.join("\n"));
+        }
     }
 }

@@ -5,7 +5,8 @@ use droptower::post::BodyFigures;
 use droptower::simulate::Outcome;
 
 use super::claims::Claims;
-use super::tower::{channel, measured, run, written};
+use super::solve::zero;
+use super::tower::{apart, channel, codes, last, measured, run, written};
 
 /// Half the span from crest to crest, width, thickness, m.
 const HALF_SPAN: f64 = 0.05;
@@ -65,12 +66,7 @@ fn tension(stretch: f64) -> f64 {
 
 /// The stretch at a tension (N).
 fn stretch(wanted: f64) -> f64 {
-    let (mut low, mut high) = (1.0, 3.0);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if tension(middle) < wanted { low = middle } else { high = middle }
-    }
-    low
+    zero(1.0, 3.0, |stretch| tension(stretch) - wanted)
 }
 
 /// Tension at the edge (N) at which the strip has its stress-free length under Euler's and Eytelwein's law on the bar.
@@ -84,16 +80,7 @@ fn edge_tension(tangent: &Tangent, friction: f64) -> f64 {
         let beyond = tangent.length + tangent.radii[1] * tangent.angle;
         on_bar + beyond / stretch(edge * (friction * tangent.angle).exp())
     };
-    let (mut low, mut high) = (0.0, tension(2.0));
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if length(middle) > HALF_SPAN { low = middle } else { high = middle }
-    }
-    low
-}
-
-fn last(outcome: &Outcome, name: &str) -> f64 {
-    *channel(&outcome.signals, name).last().expect("a sample")
+    zero(0.0, tension(2.0), |edge| HALF_SPAN - length(edge))
 }
 
 /// The stretch is that of the path from crest to crest; the shaft gets 2 T sin θ, the bars the same, each side of the
@@ -117,7 +104,6 @@ fn a_strip_over_smooth_bars_has_the_force_of_its_length() {
     }
     claims.at_most("energy balance error", outcome.energy_balance_error, 1e-3);
     claims.holds("findings", &format!("{:?}", outcome.warnings), outcome.warnings.is_empty());
-    claims.judge();
 }
 
 /// Euler and Eytelwein: the tension grows by e^{μφ} over the angle of wrap, and no tension where there is no friction.
@@ -127,8 +113,8 @@ fn friction_on_a_bar_is_that_of_a_capstan() {
     // The edge on the crest takes the friction of half an element.
     for (friction, size) in thorough::first(2, [(0.0, 1.25e-3), (0.2, 0.625e-3), (0.5, 0.3125e-3)]) {
         let outcome = strip(&format!("frame.bars = {{ radius = {BAR}, friction = {friction} }}"), size);
-        let tangent = Tangent::at(last(&outcome, "depth_m"));
-        let [force, edge] = ["force_N", "frame_force_x_N"].map(|name| last(&outcome, name));
+        let tangent = Tangent::at(last(&outcome.signals, "depth_m"));
+        let [force, edge] = ["force_N", "frame_force_x_N"].map(|name| last(&outcome.signals, name));
         let span = force / (2.0 * tangent.angle.sin());
         let what = |what: &str| format!("coefficient {friction}, wrap {:.1} deg, {what}", tangent.angle.to_degrees());
         claims.near(&what("ratio of tensions"), span / edge, (friction * tangent.angle).exp(), 1e-2);
@@ -138,7 +124,6 @@ fn friction_on_a_bar_is_that_of_a_capstan() {
         claims.near(&what("force on the body, N"), force, pressed, 5e-3);
         claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
     }
-    claims.judge();
 }
 
 /// The clamps of both ends hold µF each, 2 µF in all; what the strip does not stretch at this tension, it slips.
@@ -165,24 +150,22 @@ fn a_clamp_slips_at_its_force_of_friction() {
         }
         claims.at_most(&format!("{with}, energy balance error"), outcome.energy_balance_error, 1e-3);
         if !bars.is_empty() {
-            let expected = Tangent::at(last(&outcome, "depth_m")).half_strip() - HALF_SPAN * stretch(bound);
-            let pressed = 2.0 * bound * Tangent::at(last(&outcome, "depth_m")).angle.sin();
-            claims.near(&format!("{with}, force on the body, N"), last(&outcome, "force_N"), pressed, 5e-3);
-            claims.near(&format!("{with}, slip, m"), last(&outcome, "clamp_slip_m"), chord(expected), 1e-2);
+            let expected = Tangent::at(last(&outcome.signals, "depth_m")).half_strip() - HALF_SPAN * stretch(bound);
+            let pressed = 2.0 * bound * Tangent::at(last(&outcome.signals, "depth_m")).angle.sin();
+            claims.near(&format!("{with}, force on the body, N"), last(&outcome.signals, "force_N"), pressed, 5e-3);
+            claims.near(&format!("{with}, slip, m"), last(&outcome.signals, "clamp_slip_m"), chord(expected), 1e-2);
         }
-        let dissipated = last_energy(&outcome, "clamp_J");
+        let dissipated = last(&outcome.energies, "clamp_J");
         let work: f64 = (1..slip.len()).map(|k| (slip[k] - slip[k - 1]) * 2.0 * bound).sum();
         let work = if bars.is_empty() { work } else { 2.0 * bound * arc(slip[slip.len() - 1]) };
         claims.near(&format!("{with}, dissipated, J"), dissipated, work, 1e-2);
-        let codes: Vec<&str> =
-            outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name).collect();
+        let codes = codes(&outcome);
         claims.holds(
             &format!("{with}, findings"),
             &format!("{codes:?} at {:.0} mm", 1e3 * depth[slips]),
             codes == ["clamp-slip"],
         );
     }
-    claims.judge();
 }
 
 /// Distance from the crest of the bar of what has slipped along it by `arc` (m).
@@ -195,10 +178,6 @@ fn chord(arc: f64) -> f64 {
 fn arc(chord: f64) -> f64 {
     let radius = BAR + 0.5 * SHEET;
     2.0 * radius * (0.5 * chord / radius).asin()
-}
-
-fn last_energy(outcome: &Outcome, name: &str) -> f64 {
-    *channel(&outcome.energies, name).last().expect("a sample")
 }
 
 /// Film that has slipped by the width of the clamp is free: nothing pulls any more.
@@ -216,17 +195,15 @@ fn film_that_leaves_its_clamp_is_free() {
          output = {{ frames = 2, filter = \"none\" }}",
         2.0 * HALF_SPAN,
     )));
-    let codes: Vec<&str> =
-        outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name).collect();
+    let codes = codes(&outcome);
     claims.holds("findings", &format!("{codes:?}"), codes.contains(&"clamp-slip") && codes.contains(&"clamp-left"));
-    claims.near("largest slip, m", last(&outcome, "clamp_slip_m"), 0.002, 1e-12);
+    claims.near("largest slip, m", last(&outcome.signals, "clamp_slip_m"), 0.002, 1e-12);
     let force = channel(&outcome.signals, "contact_force_N");
     let peak = force.iter().copied().fold(0.0, f64::max);
     let end = force[force.len() * 9 / 10..].iter().sum::<f64>() / (force.len() - force.len() * 9 / 10) as f64;
     claims.at_most("force on the body at the end over its peak", end.abs() / peak, 0.05);
     // Film that nothing holds whips.
     claims.at_most("energy balance error", outcome.energy_balance_error, 5e-3);
-    claims.judge();
 }
 
 /// A ball on the crest of a bar, with film between the two: v' = −e v, and the bar gets m v (1 + e). The film takes
@@ -253,19 +230,17 @@ fn a_ball_bounces_from_a_bar() {
             ));
             let outcome = run(&model);
             let what = |what: &str| format!("{}, restitution {restitution}, {what}", &shape[..6]);
-            let after = last(&outcome, "velocity_m_s");
+            let after = last(&outcome.signals, "velocity_m_s");
             claims.at_most(&what("velocity off, m/s"), (after - restitution * speed).abs(), 1e-3 * speed);
             let time = &outcome.signals.time;
             let impulse: f64 =
                 channel(&outcome.signals, "frame_force_N").iter().map(|force| force * (time[1] - time[0])).sum();
             claims.near(&what("impulse on the bars, N s"), impulse, mass * speed * (1.0 + restitution), 5e-3);
             let lost = 0.5 * mass * speed * speed * (1.0 - restitution * restitution);
-            claims.at_most(&what("energy lost off, J"), (last_energy(&outcome, "collision_J") - lost).abs(), 2e-3);
+            claims.at_most(&what("energy lost off, J"), (last(&outcome.energies, "collision_J") - lost).abs(), 2e-3);
             claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
-            let codes = outcome.warnings.iter().map(|warning| droptower::finding::Report::code(warning).name);
-            let codes: Vec<&str> = codes.collect();
             for code in ["frame-hit", "no-film-contact"] {
-                claims.holds(&what("finding"), code, codes.contains(&code));
+                claims.holds(&what("finding"), code, codes(&outcome).contains(&code));
             }
             let measures = measured(&model, &outcome);
             let BodyFigures {
@@ -279,7 +254,6 @@ fn a_ball_bounces_from_a_bar() {
             claims.holds(&what("figures of the film"), "none", of_film == [None; 4]);
         }
     }
-    claims.judge();
 }
 
 /// A drop on film over bars and in a clamp, two faces: the quarter is the whole, which stays symmetric.
@@ -305,12 +279,9 @@ fn a_drop_over_bars_is_that_of_its_quarter() {
         [("displacement_m", 2e-3), ("contact_force_N", 3e-2), ("frame_force_N", 3e-2), ("clamp_slip_m", 2e-2)]
     {
         let [a, b] = [&quarter, &whole].map(|outcome| channel(&outcome.signals, name));
-        let square: f64 = a.iter().map(|value| value * value).sum();
-        let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-        claims.at_most(&format!("{name}, quarter and whole apart"), (apart / square).sqrt(), bound);
+        claims.at_most(&format!("{name}, quarter and whole apart"), apart(a, b), bound);
     }
     for (words, outcome) in [("quarter", &quarter), ("whole", &whole)] {
         claims.at_most(&format!("{words}, energy balance error"), outcome.energy_balance_error, 1e-3);
     }
-    claims.judge();
 }

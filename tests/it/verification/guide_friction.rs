@@ -1,7 +1,7 @@
 //! Friction of the guide: closed forms, energy, and what it does to the energy absorption.
 
 use super::claims::Claims;
-use super::tower::{channel, measured, run, written};
+use super::tower::{channel, last, loading_of_1008, measured, off, run, written};
 
 /// A taut disc under the flat end of a cylinder: a linear spring while the deflection is small.
 const SPEED: f64 = 0.1;
@@ -42,9 +42,9 @@ fn a_guide_takes_its_force_over_the_path() {
         let model = bounce(&format!(", guide_friction = {{ constant = {force} }}"));
         let outcome = run(&model);
         claims.near(&format!("depth with {force} N, m"), depth(&outcome), turning(force), 1e-3);
-        let [guide, place] = [channel(&outcome.energies, "guide_J"), channel(&outcome.signals, "displacement_m")];
+        let place = channel(&outcome.signals, "displacement_m");
         let path: f64 = place.windows(2).map(|z| (z[1] - z[0]).abs()).sum();
-        let taken = guide.last().copied().unwrap_or(f64::NAN);
+        let taken = last(&outcome.energies, "guide_J");
         claims.near(&format!("energy of the guide with {force} N, J"), taken, force * path, 1e-3);
         claims.at_most(&format!("energy balance error with {force} N"), outcome.energy_balance_error, 3e-4);
         claims.at_most("energy balance error without", free.energy_balance_error, 3e-4);
@@ -58,7 +58,6 @@ fn a_guide_takes_its_force_over_the_path() {
         );
     }
     assert!(channel(&free.energies, "guide_J").iter().all(|energy| *energy == 0.0));
-    claims.judge();
 }
 
 /// A curve that is straight through c + k |v| is that friction.
@@ -69,11 +68,8 @@ fn a_curve_of_the_friction_is_the_same_as_its_two_numbers() {
     let curve = run(&bounce(", guide_friction = { curve = [[0, 1], [0.05, 1.25], [0.2, 2]] }"));
     for (column, of) in [("displacement_m", true), ("guide_J", false)] {
         let [a, b] = [&two, &curve].map(|run| channel(if of { &run.signals } else { &run.energies }, column));
-        let largest = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let off = a.iter().zip(b).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())) / largest;
-        claims.at_most(&format!("{column} with a curve off that with two numbers"), off, 1e-12);
+        claims.at_most(&format!("{column} with a curve off that with two numbers"), off(b, a), 1e-12);
     }
-    claims.judge();
 }
 
 /// The friction holds an impactor whose weight and spring force are smaller than it.
@@ -86,7 +82,6 @@ fn an_impactor_that_stops_is_held() {
     let moved = place[place.len() / 2..].iter().map(|z| (z - stopped).abs()).fold(0.0, f64::max);
     claims.at_most("motion after the stop over the depth", moved / stopped.abs(), 1e-9);
     claims.at_most("energy balance error", outcome.energy_balance_error, 1e-6);
-    claims.judge();
 }
 
 /// Friction that is proportional to the speed, on the drop tower of 1008.
@@ -94,10 +89,9 @@ fn an_impactor_that_stops_is_held() {
 fn the_energy_balance_holds_with_friction_of_the_speed() {
     let mut claims = Claims::of("guide friction");
     let changes = ["impactor.guide_friction.constant=8 N", "impactor.guide_friction.per_speed=1 N s/m"];
-    let with = super::tower::loading_of_1008(&[&changes[..], &["specimen.mesh.size=20mm"]].concat());
-    let without = run(&super::tower::loading_of_1008(&["specimen.mesh.size=20mm"]));
+    let with = loading_of_1008(&[&changes[..], &["specimen.mesh.size=20mm"]].concat());
+    let without = run(&loading_of_1008(&["specimen.mesh.size=20mm"]));
     let outcome = run(&with);
     let bound = without.energy_balance_error + 1e-6;
     claims.at_most("energy balance error, in excess of that without", outcome.energy_balance_error - bound, 0.0);
-    claims.judge();
 }

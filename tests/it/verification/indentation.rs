@@ -32,7 +32,6 @@ fn a_small_ball_is_a_point_load() {
     let depth = 0.02;
     let shape = film.indented(1.0, 1.0, 1e-4, depth);
     claims.near("F a²/(E h δ³), ν 1/3", force(&shape, &film) / depth.powi(3), PI / 3.0, 1e-2);
-    claims.judge();
 }
 
 /// Farthest that a node is off the membrane of revolution at the end, over the depth; `mounted` is the stretch at the
@@ -84,5 +83,4 @@ fn force_and_shape_are_those_of_the_membrane_of_revolution() {
         claims.at_most(&what("energy balance error"), outcome.energy_balance_error, 1e-3);
         claims.at_most(&what("kinetic share"), outcome.kinetic_share.expect("a share"), 1e-2);
     }
-    claims.judge();
 }

@@ -1,14 +1,13 @@
 //! Film that hardens by a power of its strain: its stress with the width held, and the strain from which it strains on under
 //! a falling force (Swift, J. Mech. Phys. Solids 1, 1952).
 
-use droptower::finding::Report;
 use droptower::material::{Elastic, FlowCurve, FlowRate, Hardening, Hill, Law, Material, Plastic};
 use droptower::model::Model;
 use droptower::simulate::{self, Across, Warning};
 
 use super::claims::Claims;
 use super::sheet;
-use super::tower::{channel, run, written};
+use super::tower::{channel, codes, run, written};
 
 /// σ = K pⁿ.
 const STRENGTH: f64 = 50e6;
@@ -54,7 +53,6 @@ fn film_whose_width_is_held_has_the_stress_of_plane_strain() {
             claims.near(&format!("n {n}, logarithmic strain {strain}, Pa"), nominal * strain.exp(), expected, 5e-3);
         }
     }
-    claims.judge();
 }
 
 /// Logarithmic strain at which the nominal stress of a single element is largest, by a parabola through three points.
@@ -79,7 +77,6 @@ fn the_largest_force_is_at_swifts_strain() {
             claims.near(&format!("{name}, n {n}, logarithmic strain"), of_largest_force(n, across), n, 2e-2);
         }
     }
-    claims.judge();
 }
 
 /// A meshed strip, which strains evenly up to the largest force and necks beyond. The neck is as long as the strip is wide
@@ -100,8 +97,7 @@ fn a_strip_localises_beyond_swifts_strain_and_says_so() {
                 Warning::StrainLocalisation { time, strain, .. } => Some((*time, *strain)),
                 _ => None,
             });
-            let seen: Vec<&str> = outcome.warnings.iter().map(|warning| warning.code().name).collect();
-            claims.holds(&format!("n {n}, until {until:.3}"), &seen.join(", "), found.is_some() == expected);
+            claims.holds(&format!("n {n}, until {until:.3}"), &codes(&outcome).join(", "), found.is_some() == expected);
             let Some((time, largest)) = found.filter(|_| expected) else { continue };
             let [strain, stress] = ["strain", "stress_Pa"].map(|name| channel(&outcome.signals, name));
             let top = (0..stress.len()).max_by(|a, b| stress[*a].total_cmp(&stress[*b])).expect("a largest");
@@ -119,5 +115,4 @@ fn a_strip_localises_beyond_swifts_strain_and_says_so() {
             claims.at_most(&format!("n {n}, energy balance error"), outcome.energy_balance_error, 1e-3);
         }
     }
-    claims.judge();
 }

@@ -6,7 +6,8 @@ mod claims;
 mod random;
 mod scene;
 mod sheet;
-mod tower;
+mod solve;
+pub mod tower;
 
 mod absorption;
 mod air;

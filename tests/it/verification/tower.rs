@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use droptower::diagnostic::{self, Diagnostic};
+use droptower::finding::Report;
 use droptower::model::{self, Model};
 use droptower::post::{Impact, Measures, Plan};
 use droptower::scenario::{Assignment, Document};
@@ -27,7 +28,8 @@ pub fn written(text: &str) -> Model {
     checked(model::check(&checked(Document::read(&path))))
 }
 
-fn checked<T>(read: Result<T, Vec<Diagnostic>>) -> T {
+/// What was read; a test with mistakes in its scenario fails by their messages.
+pub fn checked<T>(read: Result<T, Vec<Diagnostic>>) -> T {
     read.unwrap_or_else(|mistakes| panic!("{}", diagnostic::render(&mistakes, false)))
 }
 
@@ -61,7 +63,34 @@ pub fn peaks(impact: &Impact) -> [f64; 2] {
     [of(impact.first().peak_displacement_m), of(impact.first().peak_acceleration_m_s2)]
 }
 
+/// Codes of the warnings of a run.
+pub fn codes(outcome: &Outcome) -> Vec<&str> {
+    outcome.warnings.iter().map(|warning| warning.code().name).collect()
+}
+
 /// A channel that is there.
 pub fn channel<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
     recording.channel(name).unwrap_or_else(|| panic!("no channel {name}"))
+}
+
+/// Its value at the end.
+pub fn last(recording: &Recording, name: &str) -> f64 {
+    *channel(recording, name).last().expect("a sample")
+}
+
+/// Largest absolute value.
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// Largest difference of two channels over the largest value of the second.
+pub fn off(one: &[f64], other: &[f64]) -> f64 {
+    assert_eq!(one.len(), other.len());
+    one.iter().zip(other).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())) / largest(other)
+}
+
+/// Root mean square of the difference of two channels over that of the first.
+pub fn apart(one: &[f64], other: &[f64]) -> f64 {
+    let square: f64 = one.iter().map(|value| value * value).sum();
+    (one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / square).sqrt()
 }
