@@ -2,9 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use droptower::mesh::{self, Element, Grading, Mesh, MeshErrorKind, Meshing, Outline, Polygon, Quality, Zone, import};
+use droptower::mesh::{
+    self, Element, Grading, Mesh, MeshError, MeshErrorKind, Meshing, Outline, Polygon, Quality, Zone, import,
+};
 
-use crate::workbench::mistaken;
+use crate::workbench::{mistaken, root};
 
 fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let at = |place: u32| {
@@ -137,64 +139,25 @@ fn outlines_that_are_none_are_refused() {
     }
 }
 
-/// A drawing with these group codes and values, in mm if it says so.
-fn drawing(name: &str, units: Option<u32>, entities: &str) -> (tempfile::TempDir, std::path::PathBuf) {
-    let units = units.map_or(String::new(), |units| format!(" 9\n$INSUNITS\n 70\n {units}\n"));
-    let text = format!(
-        "  0\nSECTION\n  2\nHEADER\n  9\n$ACADVER\n  1\nAC1015\n{units}  0\nENDSEC\n  0\nSECTION\n  2\nENTITIES\n{entities}  0\nENDSEC\n  0\nEOF\n"
-    );
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).unwrap();
-    (folder, path)
+/// The outline in a drawing of `formats/mesh`, with this unit (m).
+fn drawn(name: &str, unit: Option<f64>) -> Result<Polygon, MeshError> {
+    import::polygon(&root().join("tests/it/formats/mesh").join(name), unit)
 }
 
-fn groups(entity: &str, values: &[(i32, f64)]) -> String {
-    let lines = values.iter().map(|(code, value)| format!(" {code}\n{value}\n"));
-    format!("  0\n{entity}\n  8\n0\n{}", lines.collect::<String>())
-}
-
-/// A slot of two lines and two half circles, its hole a circle, and a note; in mm.
-fn slot() -> String {
-    let line = |a: [f64; 2], b: [f64; 2]| groups("LINE", &[(10, a[0]), (20, a[1]), (11, b[0]), (21, b[1])]);
-    let arc = |x: f64, from: f64, to: f64| groups("ARC", &[(10, x), (20, 0.0), (40, 10.0), (50, from), (51, to)]);
-    let circle = groups("CIRCLE", &[(10, 5.0), (20, 0.0), (40, 4.0)]);
-    let note = "  0\nTEXT\n  1\nslot\n";
-    [
-        line([-20.0, -10.0], [20.0, -10.0]),
-        line([-20.0, 10.0], [20.0, 10.0]),
-        arc(20.0, 270.0, 90.0),
-        arc(-20.0, 90.0, 270.0),
-        circle,
-        note.into(),
-    ]
-    .concat()
-}
-
+/// A slot of two lines and two half circles, its hole a circle, and a note: in mm, as one polyline with bulges in inches, and
+/// without a unit.
 #[test]
 fn drawings_give_their_outline_and_holes() {
     let exact = 1e-6 * (40.0 * 20.0 + PI * 100.0 - PI * 16.0);
-    let (_folder, path) = drawing("slot.dxf", Some(4), &slot());
-    let lines = import::polygon(&path, None).unwrap();
+    let lines = drawn("slot.dxf", None).unwrap();
     assert_eq!(lines.holes.len(), 1);
     assert!((lines.area() / exact - 1.0).abs() < 3e-4, "{} of {exact}", lines.area());
     lines.check([false; 2]).unwrap();
-
-    // The same slot as one polyline with bulges, in inches.
-    let inches = 1.0 / 25.4;
-    let vertex = |x: f64, y: f64, bulge: f64| [(10, x * inches), (20, y * inches), (42, bulge)];
-    let vertices =
-        [vertex(-20.0, -10.0, 0.0), vertex(20.0, -10.0, 1.0), vertex(20.0, 10.0, 0.0), vertex(-20.0, 10.0, 1.0)];
-    let polyline = groups("LWPOLYLINE", &[&[(90, 4.0), (70, 1.0)], vertices.concat().as_slice()].concat());
-    let hole = groups("CIRCLE", &[(10, 5.0 * inches), (20, 0.0), (40, 4.0 * inches)]);
-    let (_folder, path) = drawing("slot.DXF", Some(1), &[polyline, hole].concat());
-    let bulged = import::polygon(&path, None).unwrap();
+    let bulged = drawn("slot-inches.DXF", None).unwrap();
     assert!((bulged.area() / lines.area() - 1.0).abs() < 1e-9);
     assert!((bulged.extent() - 0.06).abs() < 1e-9);
-
-    let (_folder, path) = drawing("slot.dxf", None, &slot());
-    assert_eq!(import::polygon(&path, None).unwrap_err().kind, MeshErrorKind::NoUnit);
-    let centimetres = import::polygon(&path, Some(1e-2)).unwrap();
+    assert_eq!(drawn("slot-no-unit.dxf", None).unwrap_err().kind, MeshErrorKind::NoUnit);
+    let centimetres = drawn("slot-no-unit.dxf", Some(1e-2)).unwrap();
     assert!((centimetres.area() / lines.area() - 100.0).abs() < 1e-6);
 }
 
@@ -207,41 +170,23 @@ fn drawings_that_are_no_outline_are_refused() {
         let message = import::polygon(&path, None).unwrap_err().to_string();
         assert!(message.contains(&expected), "{message}, not {expected}");
     }
-    let (_folder, path) = drawing("film.dxf", Some(4), &slot());
-    assert_eq!(import::polygon(&path, Some(1.0)).unwrap_err().kind, MeshErrorKind::OtherUnit);
+    assert_eq!(drawn("slot.dxf", Some(1.0)).unwrap_err().kind, MeshErrorKind::OtherUnit);
 }
 
-/// An SVG file of these elements on a page of 60 by 20 mm, 10 units a millimetre, its origin in the middle.
-fn svg(elements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("film.svg");
-    let page = "width='60mm' height='20mm' viewBox='-300 -100 600 200'";
-    std::fs::write(&path, format!("<svg xmlns='http://www.w3.org/2000/svg' {page}>{elements}</svg>")).unwrap();
-    (folder, path)
-}
-
-/// The slot of the DXF file as a path with arcs, as shapes with transforms, and in the units of the page.
+/// The slot of the DXF file as a path with arcs, as shapes with transforms, and in the units of the page, which is 60 by 20 mm with
+/// 10 units a millimetre, its origin in the middle.
 #[test]
 fn svg_gives_the_outline_and_holes_of_dxf() {
-    let (_folder, path) = drawing("slot.dxf", Some(4), &slot());
-    let lines = import::polygon(&path, None).unwrap();
-    let path = "<title>a slot</title><g transform='scale(10)'>\
-        <path d='M -20 10 H 20 A 10 10 0 0 0 20 -10 L -20 -10 a 10 10 0 0 0 0 20 Z m 25 -6 a 4 4 0 0 0 0 -8 a 4 4 0 0 0 0 8 z'/></g>";
-    let shapes = "<rect x='-300' y='-100' width='600' height='200' rx='100'/><circle cx='50' cy='0' r='40'/>";
-    let bezier = "<defs><path d='nothing'/></defs><g transform='translate(50 0)'><circle r='40'/></g>\
-        <path d='M-200,100H200C255.228,100 300,55.228 300,0S255.228,-100 200,-100'/>\
-        <polyline points='200,-100 -200,-100'/><path d='M-200,-100C-255.228,-100 -300,-55.228 -300,0S-255.228,100 -200,100'/>";
-    for elements in [path, shapes, bezier] {
-        let (_folder, path) = svg(elements);
-        let found = import::polygon(&path, None).unwrap();
+    let lines = drawn("slot.dxf", None).unwrap();
+    for name in ["slot-path.svg", "slot-shapes.svg", "slot-bezier.svg"] {
+        let found = drawn(name, None).unwrap();
         assert_eq!(found.holes.len(), 1);
-        assert!((found.area() / lines.area() - 1.0).abs() < 1e-3, "{} of {}, {elements}", found.area(), lines.area());
-        assert!((found.extent() - 0.06).abs() < 2e-5, "{} {elements}", found.extent());
+        assert!((found.area() / lines.area() - 1.0).abs() < 1e-3, "{} of {}, {name}", found.area(), lines.area());
+        assert!((found.extent() - 0.06).abs() < 2e-5, "{} {name}", found.extent());
         found.check([false; 2]).unwrap();
-        assert_eq!(import::polygon(&path, Some(1.0)).unwrap_err().kind, MeshErrorKind::OtherUnit);
+        assert_eq!(drawn(name, Some(1.0)).unwrap_err().kind, MeshErrorKind::OtherUnit);
     }
     // Up in the film is up in the drawing, where y points down.
-    let (_folder, path) = svg("<polygon points='0,0 100,0 0,-100'/>");
-    let corners = import::polygon(&path, None).unwrap().outer;
+    let corners = drawn("corner.svg", None).unwrap().outer;
     assert!(corners.iter().any(|corner| (corner[1] - 0.01).abs() < 1e-12), "{corners:?}");
 }
