@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::workbench::{droptower, error, figures, root};
+use crate::workbench::{droptower, error, figures, finding_codes, root};
 
 /// Written for each solver that is read, read again and written once more: the same card.
 #[test]
@@ -43,8 +43,7 @@ fn what_a_card_loses_is_a_finding() {
     let film = film.to_str().expect("UTF-8");
     let card = ["export", "card", film, "--for", "openradioss", "-o", "film.rad", "--rate", "4 1/s", "--json"];
     let summary = figures(&droptower(bench.path(), &card));
-    let codes: Vec<&str> =
-        summary["findings"].as_array().expect("a list").iter().filter_map(|f| f["code"].as_str()).collect();
+    let codes = finding_codes(&summary);
     assert!(codes.contains(&"card-rates") && codes.contains(&"card-unloading-from"), "{codes:?}");
 }
 

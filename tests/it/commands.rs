@@ -37,12 +37,11 @@ fn findings_are_printed_with_severity_and_code() {
             assert_eq!(text.lines().filter(|line| line.starts_with(start)).count(), 1, "{start}: {text}");
         }
     }
-    let read = |file: &str| std::fs::read_to_string(folder.path().join("run").join(file)).expect("a file");
-    let summary: Json = serde_json::from_str(&read("summary.json")).expect("JSON");
-    let has = |list: &str, code: &str| summary[list].as_array().expect(list).iter().any(|found| found["code"] == code);
-    assert!(has("findings", "no-laser") && has("findings", "virtual-reference"), "{summary}");
+    let summary = workbench::summary(&folder.path().join("run"));
+    let codes = workbench::finding_codes(&summary);
+    assert!(codes.contains(&"no-laser") && codes.contains(&"virtual-reference"), "{summary}");
     assert!(!summary["warnings"].to_string().contains("no laser"), "a note is no warning: {summary}");
-    let page = read("report.html");
+    let page = fs::read_to_string(folder.path().join("run/report.html")).expect("a page");
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
     let (warning, note) = (place("<code>virtual-reference</code>"), place("<code>no-laser</code>"));
     assert!(warning < place("<h2>Notes</h2>") && place("<h2>Notes</h2>") < note);
@@ -92,18 +91,15 @@ fn early_findings_are_printed_before_a_run_and_are_those_of_scripts() {
         "let t = scenario(\"drop.toml\"); t.with(#{ title: \"again\" }); measure(\"duration\", t.model.duration);";
     fs::write(folder.path().join("read.rhai"), text).expect("a script");
     let changes = ["--set", "impactor.friction=5", "--unset", "specimen.material.fabric.absorption"];
-    let codes = |summary: &str| -> Vec<String> {
-        let text = fs::read_to_string(folder.path().join(summary)).expect("a summary");
-        let summary: Json = serde_json::from_str(&text).expect("JSON");
-        let codes = summary["findings"].as_array().expect("findings").iter().map(|finding| &finding["code"]);
-        codes.filter_map(Json::as_str).map(String::from).collect()
-    };
     workbench::printed(&workbench::droptower(folder.path(), &[&["script", "read.rhai"][..], &changes].concat()));
-    assert_eq!(codes("runs/read/summary.json"), ["implausible-value", "absorption-not-given"], "each once");
+    let summary = |run: &str| workbench::summary(&folder.path().join("runs").join(run));
+    let read = summary("read");
+    assert_eq!(workbench::finding_codes(&read), ["implausible-value", "absorption-not-given"], "each once");
     let quick = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=2ms"];
     let run = workbench::droptower(folder.path(), &[&["run", "drop.toml"][..], &changes, &quick].concat());
     assert!(workbench::error(&run).contains("warning[implausible-value]: `impactor.friction`"));
-    let found = codes("runs/drop/summary.json");
-    assert!(found.contains(&"implausible-value".to_owned()), "{found:?}");
-    assert!(!found.contains(&"absorption-not-given".to_owned()), "no rebound: {found:?}");
+    let drop = summary("drop");
+    let found = workbench::finding_codes(&drop);
+    assert!(found.contains(&"implausible-value"), "{found:?}");
+    assert!(!found.contains(&"absorption-not-given"), "no rebound: {found:?}");
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 
-use crate::workbench::{droptower, error, figures, printed, root};
+use crate::workbench::{droptower, figures, finding_codes, printed, refused, root, summary};
 
 const FILM: &str = "scenarios/materials/lldpe-quasi-static.toml";
 
@@ -61,9 +61,7 @@ fn bulges_and_wide_coupons_show_the_coupling_of_their_film() {
         println!("wide coupon, {coupling}: {} to {}", own["value"], own["high"]);
         let [low, high] = [number(&own["value"]), number(&own["high"])];
         assert!(low < coupling && high > coupling && high < 1.06 * low, "{found}");
-        let codes: Vec<&str> =
-            found["findings"].as_array().expect("a list").iter().filter_map(|own| own["code"].as_str()).collect();
-        assert_eq!(codes, ["coupon-edges", "width-held"]);
+        assert_eq!(finding_codes(&found), ["coupon-edges", "width-held"]);
     }
 }
 
@@ -113,8 +111,7 @@ fn curves_of_both_directions_can_be_fitted() {
             "md-0.02-1.csv",
         ),
     ] {
-        let output = droptower(folder.path(), arguments);
-        assert!(output.status.code() == Some(2) && error(&output).contains(expected), "{expected}: {}", error(&output));
+        refused(&droptower(folder.path(), arguments), expected);
         assert!(!folder.path().join("other.csv").exists());
     }
 }
@@ -127,8 +124,7 @@ fn a_measured_coupling_mends_the_drop_of_isotropic_film() {
     let out = folder.path().join("out");
     let arguments = ["script", "scripts/coupling.rhai", "--arg", "mesh=40", "--out", out.to_str().expect("UTF-8")];
     printed(&droptower(&root(), &arguments));
-    let summary = fs::read_to_string(out.join("summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_str(&summary).expect("JSON");
+    let summary = summary(&out);
     let rows = summary["tables"]["films"].as_array().expect("rows");
     let [of_peak, of_travel] = ["peak_over_first", "travel_over_first"]
         .map(|name| rows.iter().map(|row| number(&row[name])).collect::<Vec<f64>>());

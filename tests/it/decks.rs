@@ -2,9 +2,7 @@
 
 use std::fs;
 
-use serde_json::Value as Json;
-
-use crate::workbench::{droptower, error, root};
+use crate::workbench::{droptower, figures, finding_codes, refused, root};
 
 /// Test 1008 on a coarse mesh, for each solver.
 #[test]
@@ -17,11 +15,9 @@ fn a_test_goes_with_what_it_loses() {
     for (target, file) in [("ls-dyna", "film.k"), ("openradioss", "film_0000.rad")] {
         let deck = format!("{target}-deck");
         let written = run(&["export", "deck", "coarse.toml", "--for", target, "-o", &deck, "--json"]);
-        assert_eq!(written.status.code(), Some(0), "{}", error(&written));
-        let summary: Json = serde_json::from_slice(&written.stdout).expect("JSON");
+        let summary = figures(&written);
         assert_eq!(summary["files"][0], file);
-        let codes: Vec<&str> =
-            summary["findings"].as_array().expect("findings").iter().filter_map(|one| one["code"].as_str()).collect();
+        let codes = finding_codes(&summary);
         assert!(codes.contains(&"deck-mounting") && codes.contains(&"deck-part"), "{codes:?}");
         // The head says the same as the terminal.
         let text = fs::read_to_string(bench.path().join(&deck).join(file)).expect("the deck");
@@ -43,13 +39,9 @@ fn a_folder_is_replaced_only_where_it_is_a_deck() {
         droptower(bench.path(), &[&["export", "deck", tower, "--for", "ls-dyna", "-o", "deck"], more].concat())
     };
     assert_eq!(write(&[]).status.code(), Some(0));
-    let again = write(&[]);
-    assert_eq!(again.status.code(), Some(2));
-    assert!(error(&again).contains("holds a deck and is not replaced"), "{}", error(&again));
+    refused(&write(&[]), "holds a deck and is not replaced");
     assert_eq!(write(&["--force"]).status.code(), Some(0));
     fs::write(bench.path().join("deck/d3plot"), "results").expect("a file");
-    let foreign = write(&["--force"]);
-    assert_eq!(foreign.status.code(), Some(2));
-    assert!(error(&foreign).contains("`d3plot`, which is no file of a deck"), "{}", error(&foreign));
+    refused(&write(&["--force"]), "`d3plot`, which is no file of a deck");
     assert_eq!(fs::read_dir(bench.path()).expect("a folder").count(), 1, "nothing else is left");
 }

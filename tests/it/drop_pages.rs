@@ -9,7 +9,7 @@ use droptower::report::StoredPage;
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{self, close, container, data, error, figures, lay_down, printed, root};
+use crate::workbench::{self, close, container, data, error, figures, lay_down, printed, printed_text, refused, root};
 
 const TOWER: [&str; 4] = ["--mass", "10.72 kg", "--height", "1 m"];
 
@@ -45,7 +45,7 @@ fn the_page_of_a_drop_answers_and_marks_where_its_figures_were_taken() {
     let page = folder.path().join("drop.html");
     let call = [&["data/virtual/1008.csv", "--page", text(&page)][..], &TOWER].concat();
     let found = figures(&drop(&[&call[..], &["--json"]].concat()));
-    let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{key} in {found}"));
+    let number = |key: &str| workbench::figure(&found, key);
     let html = fs::read_to_string(&page).expect("a page").replace('\u{a0}', " ");
     let (_, lead) = html.split_once("<p class=\"lead\">").expect("an answer");
     let expected = "Virtual, not measured: the impactor of 10.72 kg met the film at 4.15";
@@ -120,9 +120,8 @@ fn a_recording_that_cannot_be_reduced_is_drawn_with_what_was_found() {
     let high = ["--mass", "10.72 kg", "--height", "3 m"];
     let call = [&[text(&zero), "--page", text(&page), "-o", text(&out)][..], &high].concat();
     let failed = drop(&call);
-    let said = error(&failed);
-    assert_eq!(failed.status.code(), Some(2), "{said}");
-    assert!(is_drawn(&said) && said.contains("release 0.127"), "{said}");
+    let said = refused(&failed, "release 0.127");
+    assert!(is_drawn(&said), "{said}");
     assert!(said.contains("--height \"1 m +- 5 mm\"") && said.contains("drop.html shows the recording"), "{said}");
     assert!(failed.stdout.is_empty() && !out.exists(), "nothing but the page is written");
     let html = fs::read_to_string(&page).expect("a page");
@@ -151,12 +150,10 @@ fn what_cannot_be_read_leaves_no_page() {
     let broken = copy(&folder, "broken.csv", "1008", |text| text.replacen("\n0.3,", "\n0.2,", 1));
     for call in [[text(&broken), "--mass"], ["data/virtual/1008.csv", "--gravity"]] {
         let value = if call[1] == "--mass" { "10.72 kg" } else { "9.81 m/s2" };
-        let failed = drop(&[&call[..], &[value, "--height", "1 m", "--page", text(&page)]].concat());
-        assert_eq!(failed.status.code(), Some(2));
-        assert!(!page.exists() && !is_drawn(&error(&failed)), "{}", error(&failed));
+        let said = refused(&drop(&[&call[..], &[value, "--height", "1 m", "--page", text(&page)]].concat()), "");
+        assert!(!page.exists() && !is_drawn(&said), "{said}");
     }
-    let named = drop(&[&["data/virtual/1008.csv", "--page", "page.txt"][..], &TOWER].concat());
-    assert!(named.status.code() == Some(2) && error(&named).contains("does not end in .html"));
+    refused(&drop(&[&["data/virtual/1008.csv", "--page", "page.txt"][..], &TOWER].concat()), "does not end in .html");
 }
 
 /// A folder with the three falls of 1 m, two of 1.5 m as their headers state, one that is cut, and other files.
@@ -253,8 +250,7 @@ fn a_folder_of_recordings_gives_one_table_one_page_and_the_scatter() {
     assert_eq!(plots.len(), 3 + 6, "three of all, and one of each");
     // A second call does not take its own table for a recording.
     assert_eq!(reduced()["recordings"], found["recordings"]);
-    let shown = drop(&call[..1]);
-    let shown = String::from_utf8_lossy(&shown.stdout).into_owned();
+    let shown = printed_text(&drop(&call[..1]));
     let line = |start: &str| shown.lines().find(|line| line.trim_start().starts_with(start)).expect(start).to_owned();
     assert!(line("1008.csv").contains("4.159") && line("1008.csv").contains("virtual-recording"), "{shown}");
     assert!(line("cut.csv").contains("there is no contact"), "{shown}");
@@ -284,28 +280,22 @@ fn several_recordings_fail_as_a_whole_only_where_none_is_reduced() {
 fn mass_and_height_are_those_of_the_header_unless_they_are_given() {
     let folder = laboratory();
     let recording = folder.path().join("1510.csv");
-    let codes = |found: &Json| -> Vec<String> {
-        let findings = found["findings"].as_array().expect("findings");
-        findings.iter().filter_map(|finding| finding["code"].as_str()).map(String::from).collect()
-    };
     let headed = figures(&drop(&[text(&recording), "--json"]));
     assert_eq!((&headed["mass_kg"], &headed["height_m"]), (&Json::from(10.72), &Json::from(1.5)));
-    assert!(!codes(&headed).contains(&"head-replaced".to_owned()), "{headed}");
+    assert!(!workbench::finding_codes(&headed).contains(&"head-replaced"), "{headed}");
     let given = figures(&drop(&[text(&recording), "--mass", "5.36 kg", "--json"]));
-    assert!(codes(&given).contains(&"head-replaced".to_owned()), "{given}");
+    assert!(workbench::finding_codes(&given).contains(&"head-replaced"), "{given}");
     let energy = |found: &Json| found["impact_energy_J"].as_f64().expect("an energy");
     close(energy(&given), 0.5 * energy(&headed), 1e-9);
     for (arguments, expected) in [
         (&["data/virtual/1008.csv", "--height", "1 m"][..], "the mass of the impactor is not known"),
         (&["data/virtual/1008.csv", "--mass", "10.72 kg"], "the height of fall is not known"),
     ] {
-        let refused = drop(arguments);
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(error(&refused).contains(expected) && error(&refused).contains("header"), "{}", error(&refused));
+        let said = refused(&drop(arguments), expected);
+        assert!(said.contains("header"), "{said}");
     }
     let wrong = copy(&folder, "wrong.csv", "1008", |text| format!("# mass: heavy\n{text}"));
-    let refused = error(&drop(&[text(&wrong), "--height", "1 m"]));
-    assert!(refused.contains("its header: expected a mass"), "{refused}");
+    refused(&drop(&[text(&wrong), "--height", "1 m"]), "its header: expected a mass");
 }
 
 /// A test of ISO-MME is one recording, though it is a folder.
@@ -336,18 +326,12 @@ fn the_folder_of_a_test_of_isomme_is_one_recording() {
 fn the_answer_of_a_clipped_or_short_recording_is_a_bound() {
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("drop.html");
-    let rows = |text: String, of: &dyn Fn(f64, f64) -> Option<f64>| -> String {
-        let line = |line: &str| {
-            let cells: Vec<&str> = line.split(',').collect();
-            match (cells[0].parse::<f64>(), cells.get(1).and_then(|cell| cell.parse::<f64>().ok())) {
-                (Ok(time), Some(value)) => Some(format!("{time},{},{}\n", of(time, value)?, cells[2])),
-                _ => Some(format!("{line}\n")),
-            }
-        };
-        text.lines().filter_map(line).collect()
-    };
-    let clipped = copy(&folder, "clipped.csv", "1008", |text| rows(text, &|_, value| Some(value.min(60.0))));
-    let short = copy(&folder, "short.csv", "1008", |text| rows(text, &|time, value| (time < 0.66).then_some(value)));
+    let clipped = copy(&folder, "clipped.csv", "1008", |text| {
+        workbench::with_readings(&text, |_, value| Some(value.min(60.0).to_string()))
+    });
+    let short = copy(&folder, "short.csv", "1008", |text| {
+        workbench::with_readings(&text, |time, value| (time < 0.66).then(|| value.to_string()))
+    });
     for (path, expected, marks) in [
         (clipped, "was slowed by at least ", &["release", "contact"][..]),
         (short, "and still descended after ", &["release", "contact"]),

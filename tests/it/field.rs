@@ -6,7 +6,7 @@ use std::fs;
 use droptower::dic::{self, FieldFile, FieldOptions};
 use serde_json::Value as Json;
 
-use crate::workbench::{close, data, droptower, error, printed, root};
+use crate::workbench::{self, close, data, droptower, error, printed, root};
 
 // Its `main` only writes the files.
 #[allow(dead_code)]
@@ -58,7 +58,7 @@ fn coefficients_and_motion_are_found_again() {
     let run = ["run", &scenario, "--set", COARSE, "--set", &md, "--set", &td, "--out", "run", "--quiet"];
     printed(&droptower(folder.path(), &run));
     let read = |name: &str| fs::read_to_string(folder.path().join("run").join(name)).expect("a text");
-    let summary: Json = serde_json::from_str(&read("summary.json")).expect("JSON");
+    let summary = workbench::summary(&folder.path().join("run"));
     let field = &summary["field"];
     let three = |key: &str| [0, 1, 2].map(|axis| field[key][axis].as_f64().expect("a number"));
     let back = virtual_field::camera().inverse();
@@ -70,10 +70,8 @@ fn coefficients_and_motion_are_found_again() {
     assert!(turned < 2e-3 && moved < 2e-4, "{turned} rad, {moved} m");
     assert_eq!((&field["points"], &field["compared"]), (&Json::from(881), &Json::from(881)));
     assert_eq!(field["times"].as_array().map(Vec::len), Some(4));
-    close(summary["field_rms_m"].as_f64().expect("a number"), rms, 1e-6);
-    let codes: Vec<&str> =
-        summary["findings"].as_array().expect("a list").iter().filter_map(|found| found["code"].as_str()).collect();
-    assert_eq!(codes, ["uncoupled-biaxial", "virtual-reference"]);
+    close(workbench::figure(&summary, "field_rms_m"), rms, 1e-6);
+    assert_eq!(workbench::finding_codes(&summary), ["uncoupled-biaxial", "virtual-reference"]);
 
     let rows = read("field.csv");
     assert_eq!(rows.lines().count(), 882);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::workbench::{droptower, error, root};
+use crate::workbench::{droptower, error, figure, root, summary};
 
 /// A coarser mesh for scripts, whose numbers are not compared with those in the guide.
 const COARSE: [&str; 2] = ["--set", "specimen.mesh.size=10mm"];
@@ -77,9 +77,8 @@ fn every_command_of_the_guide_succeeds() {
     assert!(sessions.len() >= 5);
     sessions.iter().for_each(|session| run(folder.path(), session));
 
-    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-    let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
-    let mass = summary["failure_mass_kg"].as_f64().expect("a failure mass");
+    let summary = summary(&folder.path().join("runs/failure-mass"));
+    let mass = figure(&summary, "failure_mass_kg");
     assert!((0.03..0.12).contains(&mass), "{mass} kg");
     assert!(summary["tables"]["drops"].as_array().is_some_and(|drops| drops.len() >= 20));
 }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Arc, Mutex};
 
-use droptower::diagnostic;
 use droptower::functions;
 use droptower::identify::{self, SearchEvent, SearchHost};
 use droptower::scenario::Assignment;
@@ -13,41 +12,14 @@ use droptower::scenario_functions::{self, Scenarios};
 use droptower::script::{ConvergenceHistory, Limits, key_mistake};
 use droptower::signal::Series;
 use rhai::Engine;
-use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{await_of, error};
+use crate::verification::tower::checked;
+use crate::workbench::{await_of, command, droptower, error, figures, printed};
 
-/// A search of some ten milliseconds a trial.
-const SEARCH: &str = r#"
-let test = scenario(args.scenario);
-let best = minimize("nelder-mead", [2.0, 3.0, 1.1], #{ max_evaluations: 120, names: ["k1", "ke", "ky"] }, |k| {
-    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } }).simulate();
-    relative_error(run.acceleration, test.reference.acceleration, test.window)
-});
-table("history", best.history);
-table("best", #{ k1: best.x[0], ke: best.x[1], ky: best.x[2], f: best.f, evaluations: best.evaluations });
-"#;
+const SEARCH: &str = include_str!("studies/search.rhai");
 
-/// The multipliers from a recording with coloured noise, that of a sensor of 0.5 m/s² behind a channel filter.
-const TRUST: &str = r#"
-let test = scenario(args.scenario);
-let recorded = test.reference.acceleration;
-let times = [];
-for i in 0..1500 { times.push(0.0001 * i); }
-let noise = 0.5 * signal(times, random(args.seed).normals(1500)).filtered(1000);
-let noisy = recorded + noise;
-let options = #{ names: ["k1", "ke", "ky"], difference: 0.01, relative: true };
-let misfit = |k| {
-    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: k[2] } }).simulate();
-    relative_residuals(run.acceleration, noisy, test.window)
-};
-let best = minimize("levenberg-marquardt", [2.75, 3.41, 1.0], #{ difference: 0.01 }, misfit);
-let trust = confidence(best, options, misfit);
-table("confidence", trust.table);
-table("correlation", trust.correlation_table);
-table("counts", #{ samples: trust.samples, effective: trust.effective_samples });
-"#;
+const TRUST: &str = include_str!("studies/trust.rhai");
 
 /// A folder with the recording of a coarse run of 1008 in `recording/signals.csv`, its multipliers those of Table 8,
 /// and the script of a search.
@@ -61,9 +33,8 @@ impl Bench {
         let bench =
             Bench { folder: tempfile::tempdir().expect("a folder"), mesh: format!("specimen.mesh.size={mesh}") };
         fs::write(bench.path("search.rhai"), SEARCH).expect("writable");
-        let recorded =
-            bench.droptower(&["run", &shipped("scenarios/drop/1008.toml"), "--set", &bench.mesh, "--out", "recording"]);
-        assert!(recorded.status.success(), "{}", error(&recorded));
+        let scenario = shipped("scenarios/drop/1008.toml");
+        printed(&bench.droptower(&["run", &scenario, "--set", &bench.mesh, "--out", "recording"]));
         bench
     }
 
@@ -72,9 +43,7 @@ impl Bench {
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_droptower"));
-        command.current_dir(self.folder.path()).args(arguments).arg("--quiet");
-        command
+        command(self.folder.path(), &[arguments, &["--quiet"]].concat())
     }
 
     fn droptower(&self, arguments: &[&str]) -> Output {
@@ -113,8 +82,7 @@ fn shipped(path: &str) -> String {
 fn a_killed_search_continues_with_the_same_bits() {
     let (bench, scenario) = (Bench::new("40 mm"), shipped("scenarios/drop/1008.toml"));
     let (other, killed) = (Bench::new("40 mm"), bench.search(&scenario, "killed", &["--threads", "2"]));
-    let through = other.droptower(&other.search(&scenario, "through", &["--threads", "2"]));
-    assert!(through.status.success(), "{}", error(&through));
+    printed(&other.droptower(&other.search(&scenario, "through", &["--threads", "2"])));
 
     // One that ends before it is killed, on a busy machine, is started over.
     loop {
@@ -132,9 +100,7 @@ fn a_killed_search_continues_with_the_same_bits() {
             fs::remove_dir_all(bench.path(path)).expect("results");
         }
     }
-    let mut last = Command::new(env!("CARGO_BIN_EXE_droptower"));
-    last.current_dir(bench.folder.path()).args(bench.search(&scenario, "killed", &["--threads", "1"]));
-    let last = last.output().expect("the binary starts");
+    let last = droptower(bench.folder.path(), &bench.search(&scenario, "killed", &["--threads", "1"]));
     assert!(last.status.success(), "{}", error(&last));
     assert!(error(&last).contains("runs were computed before"), "{}", error(&last));
     for name in ["history", "best"] {
@@ -148,9 +114,7 @@ fn intervals_of_multipliers_contain_them_and_do_not_depend_on_threads() {
     fs::write(bench.path("trust.rhai"), TRUST).expect("writable");
     let ask = |threads: &str| {
         let more = ["--arg", "seed=1", "--threads", threads, "--out", threads, "--json"];
-        let output = bench.droptower(&bench.over_the_recording("trust.rhai", &scenario, &more));
-        assert!(output.status.success(), "{}", error(&output));
-        serde_json::from_slice::<Json>(&output.stdout).expect("JSON")
+        figures(&bench.droptower(&bench.over_the_recording("trust.rhai", &scenario, &more)))
     };
     let (summary, _) = (ask("1"), ask("2"));
     for name in ["confidence", "correlation"] {
@@ -175,8 +139,7 @@ fn engine(bench: &Bench, changes: &[&str]) -> Engine {
 fn engine_with(bench: &Bench, changes: &[&str], host: SearchHost) -> Engine {
     let recording = format!("reference.signals={}", bench.path("recording/signals.csv").display());
     let changes = [bench.mesh.as_str(), recording.as_str()].into_iter().chain(changes.iter().copied());
-    let read =
-        |change| Assignment::from_argument(change).unwrap_or_else(|m| panic!("{}", diagnostic::render(&m, false)));
+    let read = |change| checked(Assignment::from_argument(change));
     let mut engine = functions::engine(Limits::STUDY);
     scenario_functions::register(&mut engine, &Scenarios { changes: changes.map(read).collect(), evaluations: None });
     identify::register(&mut engine, &host);

@@ -4,16 +4,16 @@ use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::path::Path;
 
-use droptower::diagnostic::render;
 use droptower::material::Law;
 use droptower::mesh::{Element, Outline, Side};
 use droptower::model::loading::Impact;
 use droptower::model::{self, Hold, ImpactorShape, Loading, Model, Symmetry, Window};
 use droptower::scenario::{Assignment, Document};
 
+use crate::verification::tower::checked;
+
 fn read(path: &Path) -> Model {
-    let model = Document::read(path).and_then(|document| model::check(&document));
-    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)))
+    checked(Document::read(path).and_then(|document| model::check(&document)))
 }
 
 /// The model of a text as `scenarios/<name>.toml` in a folder of its own, beside the parts that it may extend.
@@ -32,8 +32,7 @@ fn model_with(name: &str, text: &str, changes: &[&str]) -> Model {
     }
     fs::write(&path, text).expect("writable");
     let changes: Vec<_> = changes.iter().map(|change| Assignment::from_argument(change).expect("a value")).collect();
-    let model = Document::read(&path).and_then(|document| model::check(&document.with(&changes)));
-    model.unwrap_or_else(|mistakes| panic!("{}", render(&mistakes, false)))
+    checked(Document::read(&path).and_then(|document| model::check(&document.with(&changes))))
 }
 
 #[test]
@@ -285,7 +284,7 @@ fn outlines_and_refinement_are_what_was_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
-        std::fs::write(&path, text).expect("writable");
+        fs::write(&path, text).expect("writable");
         path
     };
     let film = "specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
@@ -300,10 +299,6 @@ fn outlines_and_refinement_are_what_was_written() {
         holes = [[[0.08, 0.08], [0.09, 0.08], [0.09, 0.09]]] }\n\
         specimen.mesh = { size = 0.02, fine = 0.002 }\n";
     let base = write("base.toml", &[film, square, &balls].concat());
-    let read = |path: &Path| {
-        let model = model::check(&Document::read(path).expect("it reads"));
-        model.unwrap_or_else(|mistakes| panic!("{}", droptower::diagnostic::render(&mistakes, false)))
-    };
     let model = read(&base);
     let zones = &model.faces[0].meshing.grading.as_ref().expect("fine elements").zones;
     assert_eq!(zones.iter().map(|zone| zone.at).collect::<Vec<_>>(), [[-0.05, 0.0], [0.05, 0.0]]);

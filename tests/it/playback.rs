@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use viz::TIME;
 use viz::playback::Playback;
 
-use crate::workbench::{droptower, error, root};
+use crate::workbench::{droptower, printed, root};
 
 /// Half the distance of two positions in a recording, m.
 const ROUNDED: f32 = 0.5 / 32_768.0;
@@ -23,8 +23,7 @@ fn run(scenario: &str, changes: &[&str]) -> (TempDir, PathBuf) {
     let scenario = root().join(scenario);
     let changes = changes.iter().flat_map(|change| ["--set", change]);
     let arguments = ["run", scenario.to_str().expect("a path"), "--out", "out"].into_iter().chain(changes);
-    let output = droptower(folder.path(), &arguments.collect::<Vec<_>>());
-    assert!(output.status.success(), "{}", error(&output));
+    printed(&droptower(folder.path(), &arguments.collect::<Vec<_>>()));
     let out = folder.path().join("out");
     (folder, out)
 }

@@ -4,25 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 
+use crate::workbench::{await_of, command, droptower, error, figures, json, printed, root, scene};
 use serde_json::Value as Json;
-use tempfile::TempDir;
-
-use crate::workbench::{await_of, command, droptower, error, figures, printed, root};
 
 const VARIATION: &str = "[variation]\nsamples = 6\n\"impactor.mass\" = { uniform = [\"10 kg\", \"12 kg\"] }\n\
                          \"impactor.friction\" = { uniform = [0.1, 0.5] }\n";
-
-/// A short drop on a coarse film, in a folder of its own.
-fn scene(variation: &str) -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let base = root().join("scenarios/drop/1008.toml");
-    let text = format!(
-        "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
-         loading.impact.duration = \"10 ms\"\n{variation}"
-    );
-    fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
-    folder
-}
 
 fn start(folder: &Path, arguments: &[&str]) -> Child {
     command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
@@ -95,7 +81,7 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     let output = interrupt(child);
     assert_eq!(output.status.code(), Some(1), "{}", error(&output));
     assert!(error(&output).contains("runs/.progress/drop.sweep has it so far"), "{}", error(&output));
-    let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
+    let stopped = json(&progress.join("stopped.json"));
     let listed = figures(&droptower(folder, &["store", "list", "--json"]));
     assert_eq!(stopped["stopped"], true);
     assert_eq!(stopped["runs"], listed[0]["evaluations"], "every run that had begun has ended");
@@ -129,18 +115,7 @@ fn an_interrupted_run_says_what_is_kept() {
     assert!(left(), "its checkpoints are kept");
 }
 
-/// A search of some ten milliseconds a trial, which compares with two signals.
-const SEARCH: &str = r#"
-let test = scenario(args.scenario);
-let options = #{ max_evaluations: 5000, max_iterations: 5000, tol_x: 1e-12, tol_f: 1e-15, names: ["k1", "<ke>"],
-    title: "drop & film", signals: ["acceleration (m/s²)"] };
-log("begins");
-let best = minimize("cma-es", [2.0, 3.0], options, |k| {
-    let run = test.with(#{ "specimen.material.fabric.scale": #{ k1: k[0], ke: k[1], ky: 1.0 } }).simulate();
-    try { relative_error(run.acceleration, test.reference.acceleration, [0, 0.008]) } catch (cause) { throw cause }
-});
-table("best", #{ k1: best.x[0], f: best.f });
-"#;
+const SEARCH: &str = include_str!("studies/long-search.rhai");
 
 #[cfg(unix)]
 #[test]
@@ -161,7 +136,7 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     assert_eq!(told.lines().next(), Some("note: runs/.progress/search/progress.html shows how far it is"), "{told}");
     assert!(told.contains("note: stops once what runs has ended; Ctrl-C again gives it up"), "{told}");
     assert!(told.contains("search.rhai was stopped before its end"), "{told}");
-    let stopped: Json = serde_json::from_str(&read(&progress.join("stopped.json"))).expect("JSON");
+    let stopped = json(&progress.join("stopped.json"));
     let search = &stopped["searches"][0];
     assert_eq!([&stopped["stopped"], &search["title"]], [&Json::from(true), &"drop & film".into()]);
     let counts = ["done", "waiting", "failed"].map(|name| search["trials"][name].as_u64().expect("a count"));

@@ -5,11 +5,7 @@ use std::fs;
 use serde_json::Value as Json;
 use thorough::thorough;
 
-use crate::workbench::{close, droptower, printed, root};
-
-fn summary(folder: &std::path::Path) -> Json {
-    serde_json::from_slice(&fs::read(folder.join("summary.json")).expect("a summary")).expect("JSON")
-}
+use crate::workbench::{close, column, droptower, figure, printed, root, summary};
 
 #[test]
 fn the_shipped_head_is_that_of_its_script() {
@@ -39,16 +35,15 @@ fn the_map_finds_layers_and_distance() {
     let summary = summary(&out);
     let rows = summary["tables"]["map"].as_array().expect("a map");
     assert_eq!(rows.len(), 2 * distances * columns);
-    let number = |row: &Json, name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name} is missing in {row}"));
     let whole = |pair: &[Json]| pair.iter().all(|row| row["outcome"] != "ruptures");
     for pair in rows.chunks(columns).flat_map(|line| line.windows(2)).filter(|pair| whole(pair)) {
         let [fewer, more] = [&pair[0], &pair[1]];
-        assert!(number(more, "travel_mm") < number(fewer, "travel_mm"), "{fewer} {more}");
-        assert!(number(more, "hic15") > number(fewer, "hic15"), "{fewer} {more}");
+        assert!(figure(more, "travel_mm") < figure(fewer, "travel_mm"), "{fewer} {more}");
+        assert!(figure(more, "hic15") > figure(fewer, "hic15"), "{fewer} {more}");
     }
     let (slow, fast) = rows.split_at(rows.len() / 2);
-    assert!(slow.iter().zip(fast).all(|(slow, fast)| number(slow, "travel_mm") < number(fast, "travel_mm")));
-    let layers = summary["layers"].as_f64().expect("an answer at both speeds");
+    assert!(slow.iter().zip(fast).all(|(slow, fast)| figure(slow, "travel_mm") < figure(fast, "travel_mm")));
+    let layers = figure(&summary, "layers");
     assert!((16.0..=32.0).contains(&layers), "{layers} layers");
     assert!(out.join("tables/map.csv").is_file());
 }
@@ -63,14 +58,10 @@ fn the_head_has_the_energies_of_the_study() {
         let coarse = ["--set", "specimen.mesh.size=80mm", "--set", "output.frames=2"];
         let arguments = [&["run", &scenario, "--out", out.to_str().expect("UTF-8")], &coarse[..]].concat();
         printed(&droptower(&root(), &arguments));
-        let signals = fs::read_to_string(out.join("signals.csv")).expect("signals");
-        let mut lines = signals.lines().map(|line| line.split(',').collect::<Vec<_>>());
-        let header = lines.next().expect("a header");
-        let column = header.iter().position(|name| *name == "kinetic_energy_J").expect("a column");
-        close(lines.next().expect("a row")[column].parse().expect("a number"), energy, 1e-3);
+        close(column(&out.join("signals.csv"), "kinetic_energy_J")[0], energy, 1e-3);
         let figures = summary(&out);
         for name in ["hic15", "hic36", "hic_d", "clip_3ms_g", "peak_g", "travel_m", "rebound_share"] {
-            assert!(figures[name].as_f64().is_some_and(|value| value > 0.0), "{name} is missing in {figures}");
+            assert!(figure(&figures, name) > 0.0, "{name} in {figures}");
         }
     }
 }

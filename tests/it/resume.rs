@@ -8,14 +8,13 @@ use std::time::{Duration, SystemTime};
 use serde_json::Value as Json;
 use thorough::thorough;
 
-use droptower::diagnostic;
-use droptower::model::{self, Model, Motion};
+use droptower::model::{Model, Motion};
 use droptower::post::OF_THE_MACHINE;
-use droptower::scenario::{Assignment, Document};
 use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions, Warning};
 
-use crate::workbench::{await_of, command, drop_bench, droptower, error};
+use crate::verification::tower::shipped;
+use crate::workbench::{self, await_of, command, drop_bench, droptower, error, printed, refused};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
@@ -51,8 +50,7 @@ fn killed_after(count: usize, bench: &Path, arguments: &[&str]) {
 
 /// The summary without the figures of the machine.
 fn summary(folder: &Path) -> Json {
-    let text = fs::read(folder.join("summary.json")).expect("a summary");
-    let mut summary: Json = serde_json::from_slice(&text).expect("JSON");
+    let mut summary = workbench::summary(folder);
     let figures = summary.as_object_mut().expect("figures");
     for of_this_run in OF_THE_MACHINE {
         assert!(figures.remove(of_this_run).is_some());
@@ -63,8 +61,7 @@ fn summary(folder: &Path) -> Json {
 #[test]
 fn a_killed_run_resumes_to_the_same_bits() {
     let bench = drop_bench();
-    let through = run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat());
-    assert!(through.status.success(), "{}", error(&through));
+    printed(&run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat()));
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     // Taken up with the same interval and another number of threads.
     let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
@@ -89,18 +86,14 @@ fn a_checkpoint_of_another_run_is_refused() {
         ("output.frames=100", "`output.frames`"),
         ("solver.step_factor=0.5", "`solver.step_factor`"),
     ] {
-        let output = run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat());
-        assert_eq!(output.status.code(), Some(2), "{changed}");
-        let refusal = error(&output);
-        assert!(refusal.contains("is of another run") && refusal.contains(expected), "{changed}: {refusal}");
+        let said = refused(&run(bench.path(), &[&SLOW[..], &["--resume", "--set", changed]].concat()), expected);
+        assert!(said.contains("is of another run"), "{changed}: {said}");
     }
-    let output = run(bench.path(), &[&SLOW[..], &["--resume", "--vtu"]].concat());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("it was started without --vtu"), "{}", error(&output));
+    refused(&run(bench.path(), &[&SLOW[..], &["--resume", "--vtu"]].concat()), "it was started without --vtu");
     let output = run(bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("an unfinished run left checkpoints"), "{}", error(&output));
-    assert!(error(&output).contains("--resume continues from there"), "{}", error(&output));
+    for expected in ["an unfinished run left checkpoints", "--resume continues from there"] {
+        refused(&output, expected);
+    }
     // What is read after the run may change.
     fs::write(bench.path().join("post.rhai"), "measure(\"more\", 1);").expect("a script");
     let output = run(bench.path(), &[&SLOW[..], &["--resume", "--quiet", "--set", "post.script=post.rhai"]].concat());
@@ -117,10 +110,9 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
         fs::copy(bench.path().join("drop.toml"), bench.path().join(copy)).expect("a copy");
     }
     let all = [&["run", done, "drop.toml", later, "--resume"][..], &SLOW].concat();
-    let output = droptower(bench.path(), &all);
-    assert_eq!(output.status.code(), Some(2), "no checkpoint to resume from");
-    assert_eq!(error(&output).matches("there is no checkpoint in").count(), 3, "{}", error(&output));
-    assert!(droptower(bench.path(), &[&["run", done, "--quiet"][..], &SLOW].concat()).status.success());
+    let said = refused(&droptower(bench.path(), &all), "there is no checkpoint in");
+    assert_eq!(said.matches("there is no checkpoint in").count(), 3, "{said}");
+    printed(&droptower(bench.path(), &[&["run", done, "--quiet"][..], &SLOW].concat()));
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     let output = droptower(bench.path(), &all);
     assert!(output.status.success(), "{}", error(&output));
@@ -190,9 +182,7 @@ fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
     fs::write(newer, &whole[..whole.len() / 2]).expect("cut in half");
     let resumed = [&SLOW[..], &["--resume"]].concat();
     fs::write(older, "").expect("emptied");
-    let output = run(bench.path(), &resumed);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("is whole: "), "{}", error(&output));
+    refused(&run(bench.path(), &resumed), "is whole: ");
     let mut turned = whole.clone();
     turned[whole.len() / 3] ^= 4;
     fs::write(newer, &turned).expect("one bit turned");
@@ -236,17 +226,9 @@ fn a_run_of_hours_has_a_forecast() {
     assert!(told.contains("ns per element step"), "{told}");
 }
 
-fn rendered(mistakes: Vec<diagnostic::Diagnostic>) -> String {
-    diagnostic::render(&mistakes, false)
-}
-
 /// A golden case with a few changes.
 fn golden(case: &str, changes: &[&str]) -> Model {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(case).join("scenario.toml");
-    let document = Document::read(&path).unwrap_or_else(|mistakes| panic!("{}", rendered(mistakes)));
-    let changes = changes.iter().map(|change| Assignment::from_argument(change).expect("a change"));
-    let document = document.with(&changes.collect::<Vec<_>>());
-    model::check(&document).unwrap_or_else(|mistakes| panic!("{}", rendered(mistakes)))
+    shipped(&format!("../tests/golden/{case}/scenario.toml"), changes)
 }
 
 /// The outcome, and every checkpoint on the way as it would be written.

@@ -20,21 +20,13 @@ use droptower::script::{Arguments, Limits, OutputCollector, Script};
 use droptower::signal::csv;
 use droptower::sweep;
 
-use crate::workbench::{drop_bench, droptower, error, root};
+use crate::workbench::{drop_bench, droptower, error, figure, figures, json, printed, printed_text, root, summary};
 
 /// Coarse and short: what is tested is everything around the simulation.
 const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run"], arguments, &QUICK].concat())
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn json(path: &Path) -> Json {
-    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -47,8 +39,7 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn a_run_writes_its_folder() {
     let bench = drop_bench();
-    let output = run(bench.path(), &["drop.toml"]);
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    printed(&run(bench.path(), &["drop.toml"]));
     let folder = bench.path().join("runs/drop");
     for name in ["signals.csv", "energies.csv", "summary.json", "scenario.toml", "report.html"] {
         assert!(folder.join(name).is_file(), "{name}");
@@ -62,7 +53,7 @@ fn a_run_writes_its_folder() {
              frame_force_x_N,frame_force_y_N"
         )
     );
-    let summary = json(&folder.join("summary.json"));
+    let summary = summary(&folder);
     let figures = "peak_acceleration_m_s2 time_of_peak_acceleration_s peak_displacement_m time_of_peak_displacement_s \
                  rebound_velocity_m_s energy_absorption energy_balance_error ruptured rupture_time_s acceleration_error \
                  displacement_error elements steps time_step_s wall_s ns_per_element_step";
@@ -81,10 +72,9 @@ fn a_run_writes_its_folder() {
 fn a_width_is_in_the_summary_and_changes_no_bit() {
     let bench = drop_bench();
     let [widest, baseline] = [&[][..], &["--width", "baseline"]].map(|width| {
-        let output = run(bench.path(), &[&["drop.toml", "--force"], width].concat());
-        assert_eq!(code(&output), Some(0), "{}", error(&output));
+        printed(&run(bench.path(), &[&["drop.toml", "--force"], width].concat()));
         let folder = bench.path().join("runs/drop");
-        let instructions = json(&folder.join("summary.json"))["instructions"].as_str().map(str::to_owned);
+        let instructions = summary(&folder)["instructions"].as_str().map(str::to_owned);
         (instructions, fs::read(folder.join("signals.csv")).expect("signals"))
     });
     assert_eq!(baseline.0.as_deref(), Some("baseline"));
@@ -96,17 +86,14 @@ fn a_width_is_in_the_summary_and_changes_no_bit() {
 fn springs_and_contact_of_film_have_their_figures() {
     let bench = drop_bench();
     let springs = "frame.springs={ stiffness = \"2 kN/m\", count = 80, length = \"50 mm\" }";
-    let output = run(bench.path(), &["drop.toml", "--set", springs, "--set", "contact.film=true"]);
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
-    let summary = json(&bench.path().join("runs/drop/summary.json"));
-    let figure = |name: &str| summary[name].as_f64().unwrap_or_else(|| panic!("no {name}"));
+    let said = printed(&run(bench.path(), &["drop.toml", "--set", springs, "--set", "contact.film=true"]));
+    let summary = summary(&bench.path().join("runs/drop"));
+    let figure = |name: &str| figure(&summary, name);
     assert!(figure("peak_spring_force_N") > 2000.0 * figure("peak_spring_elongation_m") * (1.0 - 1e-9), "{summary}");
     assert!(figure("least_film_distance_m") > 0.0, "{summary}");
-    let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("  springs             up to ") && said.contains("  film from film      "), "{said}");
-    let plain = run(bench.path(), &["drop.toml", "--out", "plain"]);
-    let said = String::from_utf8_lossy(&plain.stdout);
-    assert!(plain.status.success() && !said.contains("springs") && !said.contains("film from film"), "{said}");
+    let said = printed(&run(bench.path(), &["drop.toml", "--out", "plain"]));
+    assert!(!said.contains("springs") && !said.contains("film from film"), "{said}");
 }
 
 #[test]
@@ -115,20 +102,19 @@ fn the_stored_scenario_gives_the_same_signals_elsewhere() {
     let scenario = fs::read_to_string(bench.path().join("drop.toml")).expect("the template");
     fs::write(bench.path().join("drop.toml"), scenario + "\n[post]\nscript = \"own.rhai\"\n").expect("a scenario");
     fs::write(bench.path().join("own.rhai"), "measure(\"twice\", 2 * run.summary.steps);").expect("a script");
-    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
-    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0), "a run replaces its former self");
+    // A run replaces its former self.
+    (0..2).for_each(|_| drop(printed(&run(bench.path(), &["drop.toml"]))));
     let mailed = elsewhere.path().join("runs/a/drop");
     fs::create_dir_all(mailed.parent().expect("a parent")).expect("a folder");
     fs::rename(bench.path().join("runs/drop"), &mailed).expect("a move");
     drop(bench);
-    let again = droptower(elsewhere.path(), &["run", "runs/a/drop/scenario.toml", "--out", "again"]);
-    assert_eq!(code(&again), Some(0), "{}", error(&again));
+    printed(&droptower(elsewhere.path(), &["run", "runs/a/drop/scenario.toml", "--out", "again"]));
     let again = elsewhere.path().join("again");
     let signals = |folder: &Path| fs::read(folder.join("signals.csv")).expect("signals");
     assert!(signals(&mailed) == signals(&again), "the signals differ");
-    let summary = json(&again.join("summary.json"));
-    assert_eq!(summary["scenario"], "a/drop");
-    assert_eq!(summary["twice"], json(&mailed.join("summary.json"))["twice"]);
+    let again = summary(&again);
+    assert_eq!(again["scenario"], "a/drop");
+    assert_eq!(again["twice"], summary(&mailed)["twice"]);
 }
 
 #[test]
@@ -136,11 +122,10 @@ fn the_shipped_test_is_compared_with_its_reference() {
     let bench = tempfile::tempdir().expect("a folder");
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/drop/1008.toml");
     let output = run(bench.path(), &[shipped.to_str().expect("UTF-8"), "--json", "--quiet"]);
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    let printed = figures(&output);
     assert_eq!(error(&output), "");
-    let printed: Json = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
     let folder = bench.path().join("runs/drop/1008");
-    assert_eq!(printed, json(&folder.join("summary.json")));
+    assert_eq!(printed, summary(&folder));
     for name in ["signals.csv", "energies.csv"] {
         let path = folder.join(name);
         let recording = csv::read(&path).expect("our own recording");
@@ -157,10 +142,10 @@ fn the_shipped_test_is_compared_with_its_reference() {
 #[test]
 fn the_page_shows_the_figures_of_the_summary() {
     let bench = drop_bench();
-    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
+    printed(&run(bench.path(), &["drop.toml"]));
     let folder = bench.path().join("runs/drop");
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
-    let summary = json(&folder.join("summary.json"));
+    let summary = summary(&folder);
     let figures = summary.as_object().expect("figures").iter().filter(|(_, value)| value.is_number());
     for (name, value) in figures {
         let cells = Figure::from_value(name, value).expect("a figure").cells();
@@ -181,9 +166,9 @@ fn a_numerical_failure_stores_what_was_computed() {
     let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
     let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
     let output = run(bench.path(), &["drop.toml", "--json", "--set", wall, "--set", measured]);
-    assert_eq!(code(&output), Some(3), "{}", error(&output));
-    let printed: Json = serde_json::from_slice(&output.stdout).expect("an object");
-    assert!(printed["errors"][0]["message"].as_str().expect("a message").contains("the time step fell"), "{printed}");
+    assert_eq!(output.status.code(), Some(3), "{}", error(&output));
+    let found: Json = serde_json::from_slice(&output.stdout).expect("an object");
+    assert!(found["errors"][0]["message"].as_str().expect("a message").contains("the time step fell"), "{found}");
     assert!(error(&output).contains("drop.failed"), "{}", error(&output));
     assert_eq!(names(&bench.path().join("runs")), ["drop.failed"]);
     let folder = bench.path().join("runs/drop.failed");
@@ -193,30 +178,22 @@ fn a_numerical_failure_stores_what_was_computed() {
     assert!(page.contains("The run failed: the time step fell"));
     let signals = csv::read(&folder.join("signals.csv")).expect("signals");
     assert!(signals.time.len() > 100 && signals.time.len() < 400, "{} samples", signals.time.len());
-    let printed = run(bench.path(), &["drop.toml", "--force", "--set", wall, "--set", measured]);
-    let text = String::from_utf8_lossy(&printed.stdout);
+    let text = printed_text(&run(bench.path(), &["drop.toml", "--force", "--set", wall, "--set", measured]));
     assert!(text.starts_with("drop  sphere") && text.contains("\n  note[") | text.contains("\n  warning["), "{text}");
-    assert_eq!(code(&run(bench.path(), &["drop.toml"])), Some(0));
+    printed(&run(bench.path(), &["drop.toml"]));
     assert_eq!(names(&bench.path().join("runs")), ["drop"], "what failed is out of date");
 }
 
-const STUDY: &str = r#"
-let base = scenario(args.scenario);
-let runs = simulate_all([base, base.with(#{ "layers.count": args.layers })]);
-let travel = |run| run.summary.peak_displacement_m;
-table("travel", ["layers", "mm"], runs.map(|run| #{ layers: run.model.layers[0], mm: travel.call(run) * 1000 }));
-measure("difference", relative_error(runs[1].displacement, runs[0].displacement, [0, 0.02]));
-"#;
+const STUDY: &str = include_str!("studies/layers.rhai");
 
 #[test]
 fn a_script_writes_its_tables() {
     let bench = drop_bench();
     fs::write(bench.path().join("study.rhai"), STUDY).expect("a script");
     let arguments = ["script", "study.rhai", "--scenario", "drop.toml", "--arg", "layers=16"];
-    let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
+    printed(&droptower(bench.path(), &[&arguments[..], &QUICK].concat()));
     let folder = bench.path().join("runs/study");
-    let summary = json(&folder.join("summary.json"));
+    let summary = summary(&folder);
     assert_eq!(summary["tables"]["travel"][1]["layers"], 16);
     assert_eq!(summary["study"]["script"], "study.rhai");
     assert_eq!(summary["study"]["scenario"], "drop.toml");
@@ -232,11 +209,9 @@ fn a_script_writes_its_tables() {
 fn the_shipped_study_counts_layers() {
     let bench = drop_bench();
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/layers.rhai");
-    let arguments =
-        ["script", shipped.to_str().expect("UTF-8"), "--scenario", "drop.toml", "--arg", "most=8", "--quiet", "--json"];
-    let output = droptower(bench.path(), &[&arguments[..], &QUICK].concat());
-    assert_eq!(code(&output), Some(0), "{}", error(&output));
-    let summary: Json = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    let shipped = shipped.to_str().expect("UTF-8");
+    let arguments = ["script", shipped, "--scenario", "drop.toml", "--arg", "most=8", "--quiet", "--json"];
+    let summary = figures(&droptower(bench.path(), &[&arguments[..], &QUICK].concat()));
     let rows = summary["tables"]["layers"].as_array().expect("rows");
     assert_eq!(rows.iter().map(|row| row["layers"].as_i64()).collect::<Vec<_>>(), [Some(6), Some(8)]);
     let travel = |row: &Json| row["travel_mm"].as_f64().expect("a number");
@@ -316,8 +291,7 @@ fn the_examples_of_the_scripting_reference_run() {
 /// What editors show of a function; `node editors/vscode/generate.mjs` writes it from `droptower explain functions --json`.
 #[test]
 fn the_snippets_of_editors_are_those_of_the_scripting_reference() {
-    let snippets = fs::read_to_string(root().join("editors/vscode/snippets/rhai.json")).expect("the snippets");
-    let snippets: Json = serde_json::from_str(&snippets).expect("JSON");
+    let snippets = json(&root().join("editors/vscode/snippets/rhai.json"));
     let shown: BTreeSet<&str> = snippets
         .as_object()
         .into_iter()

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use droptower::signal::{Recording, csv};
 
-use crate::workbench::droptower;
+use crate::workbench::{droptower, figure, summary};
 
 /// A folder with the template of a slow test in it, made coarse and quick.
 fn bench(kind: &str) -> TempDir {
@@ -27,8 +27,7 @@ fn run(folder: &Path, changes: &[&str]) -> (Output, Recording, Json) {
     let place = folder.join(place);
     let signals = csv::read(&place.join("signals.csv"))
         .unwrap_or_else(|error| panic!("{error}: {}", standard_error_and_output(&output)));
-    let summary = fs::read(place.join("summary.json")).expect("a summary");
-    (output, signals, serde_json::from_slice(&summary).expect("JSON"))
+    (output, signals, summary(&place))
 }
 
 fn standard_error_and_output(output: &Output) -> String {
@@ -42,10 +41,6 @@ fn header(folder: &Path) -> String {
 
 fn last(signals: &Recording, name: &str) -> f64 {
     *signals.channel(name).and_then(<[f64]>::last).expect("a sample")
-}
-
-fn figure(summary: &Json, name: &str) -> f64 {
-    summary[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", summary[name]))
 }
 
 #[test]

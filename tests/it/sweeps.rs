@@ -9,19 +9,7 @@ use std::time::Duration;
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{await_of, close, command, droptower, error, figures, printed, root};
-
-/// A short drop on a coarse film, whose mass, friction and thickness vary, in a folder of its own.
-fn scene(more: &str) -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let base = root().join("scenarios/drop/1008.toml");
-    let text = format!(
-        "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
-         loading.impact.duration = \"10 ms\"\n{more}\n"
-    );
-    fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
-    folder
-}
+use crate::workbench::{self, await_of, close, command, droptower, error, figures, printed, refused, scene};
 
 const VARIATION: &str = r#"
 [variation]
@@ -197,9 +185,7 @@ fn a_distribution_of_values_that_cannot_be_has_a_warning() {
     let output = sweep(scene.path(), &["-n", "64"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(error(&output).contains("runs failed: `impactor.friction`: out of range"), "{}", error(&output));
-    let text = fs::read_to_string(scene.path().join("runs/drop.sweep/summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(refused(&summary["findings"]), found);
+    assert_eq!(refused(&workbench::summary(&scene.path().join("runs/drop.sweep"))["findings"]), found);
 }
 
 fn start(folder: &Path, more: &[&str]) -> Child {
@@ -335,21 +321,7 @@ fn a_table_of_points_has_values_with_their_units() {
     assert_eq!(table(scene.path())[1]["impactor.mass_kg"], "11");
 }
 
-/// A script of six runs, of which two are the same and one cannot start.
-const SCRIPT: &str = r#"
-let base = scenario("drop.toml").with(#{
-    "specimen.mesh.size": args.number("mesh", 80) + " mm",
-    "loading.impact.duration": args.number("duration", 10) + " ms",
-});
-let masses = [10, 11, 12, 13, 12];
-let runs = simulate_all(masses.map(|mass| base.with(#{ "impactor.mass": mass + " kg" })));
-table("runs", runs.map(|run| #{ travel_m: run.displacement.min() }));
-try {
-    base.with(#{ "specimen.symmetry": "none", "impactor.position": ["0 mm", "0 mm", "0 mm"] }).simulate();
-} catch (cause) {
-    log("failed: " + cause);
-}
-"#;
+const SCRIPT: &str = include_str!("studies/six-runs.rhai");
 
 #[test]
 fn a_script_is_computed_by_several_processes() {
@@ -385,9 +357,7 @@ fn an_array_job_of_slurm_has_the_words_that_were_meant() {
     fs::rename(folder.join("drop.toml"), folder.join(name)).expect("a scenario");
     let new = ["new", "slurm", "sweep.sbatch", "--scenario", name, "-n", "20", "--tasks", "3"];
     assert!(printed(&droptower(folder, &new)).contains("; try: sbatch sweep.sbatch "));
-    let again = droptower(folder, &new);
-    assert_eq!(again.status.code(), Some(2));
-    assert!(error(&again).contains("sweep.sbatch already exists"), "{}", error(&again));
+    refused(&droptower(folder, &new), "sweep.sbatch already exists");
     let script = fs::read_to_string(folder.join("sweep.sbatch")).expect("a script");
     let read_by_slurm = script.lines().take_while(|line| line.starts_with('#')).filter(|line| line.contains("--array"));
     assert_eq!(read_by_slurm.map(|line| line.split(' ').nth(1)).collect::<Vec<_>>(), [Some("--array=1-3")]);
@@ -430,18 +400,17 @@ fn probabilities_of_failure_and_their_findings() {
              measure(\"high\", found.interval[1]); measure(\"runs\", found.runs)"
         );
         let summary = figures(&studied(scene.path(), &expression));
-        let [found_low, found_high] = ["low", "high"].map(|name| summary[name].as_f64().expect("a number"));
+        let [found_low, found_high] = ["low", "high"].map(|name| workbench::figure(&summary, name));
         assert!(found_low >= low && found_high <= high && found_low < found_high, "{options}: {summary}");
-        let codes: Vec<&str> =
-            summary["findings"].as_array().expect("a list").iter().filter_map(|own| own["code"].as_str()).collect();
+        let codes = workbench::finding_codes(&summary);
         assert!(code.is_none_or(|code| codes.contains(&code)), "{options}: {codes:?}");
-        assert!(summary["runs"].as_f64().expect("a number") >= 20.0, "{summary}");
+        assert!(workbench::figure(&summary, "runs") >= 20.0, "{summary}");
     }
     let few = studied(
         scene.path(),
         "failure_probability(drop, #{ figure: \"ruptured\", below: 0, samples: 20, vary: vary })",
     );
-    assert!(few.status.code() == Some(2) && error(&few).contains("\"monte-carlo\""), "{}", error(&few));
+    refused(&few, "\"monte-carlo\"");
 }
 
 #[test]
@@ -458,8 +427,7 @@ fn a_staircase_takes_whole_numbers_and_says_where_it_came_to() {
         let expression = format!(
             "staircase(drop, #{{ {options}, specimens: 4, figure: \"peak_displacement_m\", below: 0, vary: #{{ \"impactor.friction\": #{{ uniform: [0.1, 0.3] }} }} }})"
         );
-        let output = studied(scene.path(), &expression);
-        assert!(output.status.code() == Some(2) && error(&output).contains(expected), "{}", error(&output));
+        refused(&studied(scene.path(), &expression), expected);
     }
     let named = studied(
         scene.path(),

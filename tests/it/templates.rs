@@ -5,23 +5,11 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 
-use crate::workbench::{close, droptower, error, printed};
+use crate::workbench::{close, column, droptower, error, figure, figures, finding_codes, printed, summary};
 
 const STANDARDS: [&str; 6] = ["d1709-a", "d1709-b", "d7192", "d5748", "iso7765-2", "en14477"];
-const MATERIALS: [&str; 12] = [
-    "tearing",
-    "fabric",
-    "rates",
-    "elastic",
-    "neo-hookean",
-    "compressible-neo-hookean",
-    "mooney-rivlin",
-    "yeoh",
-    "gent",
-    "ogden",
-    "plastic",
-    "viscous",
-];
+const MATERIALS: &str = "tearing fabric rates elastic neo-hookean compressible-neo-hookean mooney-rivlin yeoh gent ogden plastic \
+                         viscous";
 
 #[test]
 fn templates_pass_the_check_and_are_not_overwritten() {
@@ -39,7 +27,7 @@ fn templates_pass_the_check_and_are_not_overwritten() {
 fn materials_pass_the_check_and_can_be_pulled() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "coupon", "coupon.toml"]));
-    for kind in MATERIALS {
+    for kind in MATERIALS.split(' ') {
         let path = format!("{kind}.toml");
         printed(&droptower(folder.path(), &["new", "material", kind, &path]));
         assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{kind}");
@@ -52,7 +40,8 @@ fn materials_pass_the_check_and_can_be_pulled() {
 #[test]
 fn films_of_the_library_pass_the_check_and_are_listed_with_their_sources() {
     let folder = tempfile::tempdir().expect("a folder");
-    let list = figures_of_list(&droptower(folder.path(), &["new", "material", "--list", "--json"]));
+    let list = figures(&droptower(folder.path(), &["new", "material", "--list", "--json"]));
+    let list = list.as_array().expect("a list");
     let films: Vec<&Json> = list.iter().filter(|entry| entry["source"].is_string()).collect();
     for name in ["ldpe", "lldpe", "pp", "pet", "pvc", "silicone", "natural-rubber"] {
         let film = films.iter().find(|film| film["name"] == name).unwrap_or_else(|| panic!("{name} is not listed"));
@@ -63,17 +52,12 @@ fn films_of_the_library_pass_the_check_and_are_listed_with_their_sources() {
         assert!(text.contains("# Source: ") && text.contains("# Assumed: "), "{text}");
         assert_eq!(film["dart"].is_string(), text.contains("a virtual dart needs"), "{text}");
     }
-    assert_eq!(list.len(), MATERIALS.len() + films.len());
+    assert_eq!(list.len(), MATERIALS.split(' ').count() + films.len());
     let printed = printed(&droptower(folder.path(), &["new", "material", "--list"]));
     assert!(printed.contains("assumed: ") && printed.contains("dart: 40 g at 12 um"), "{printed}");
     assert_eq!(droptower(folder.path(), &["new", "material", "pet"]).status.code(), Some(2), "without a file");
     let gone = droptower(folder.path(), &["new", "material", "tpu", "tpu.toml"]);
     assert!(error(&gone).contains("it was removed: "), "{}", error(&gone));
-}
-
-/// The entries of a list that is printed as JSON.
-fn figures_of_list(output: &std::process::Output) -> Vec<Json> {
-    serde_json::from_str(&printed(output)).expect("a list")
 }
 
 /// The summary of a template after `changes`, run in `folder`.
@@ -84,12 +68,7 @@ fn run(folder: &Path, kind: &str, changes: &[&str]) -> Json {
     let sets = changes.iter().flat_map(|change| ["--set", change]);
     let arguments: Vec<&str> = ["run", &path].into_iter().chain(sets).collect();
     printed(&droptower(folder, &arguments));
-    let summary = fs::read_to_string(folder.join(format!("runs/{kind}/summary.json"))).expect("a summary");
-    serde_json::from_str(&summary).expect("JSON")
-}
-
-fn figure(summary: &Json, name: &str) -> f64 {
-    summary[name].as_f64().unwrap_or_else(|| panic!("{name} is missing in {summary}"))
+    summary(&folder.join("runs").join(kind))
 }
 
 /// On meshes twice as coarse, whose figures lie above the shipped ones; the bounds are those of a film that is neither
@@ -128,11 +107,8 @@ fn puncture_tests_give_force_travel_and_energy() {
         if let Some(work) = summary["work_J"].as_f64() {
             close(energies[2], work, 1e-3);
         } else {
-            let signals = fs::read_to_string(folder.path().join(format!("runs/{kind}/signals.csv"))).expect("signals");
-            let column =
-                signals.lines().next().expect("a header").split(',').position(|name| name == "absorbed_energy_J");
-            let last = signals.lines().last().expect("rows").split(',').nth(column.expect("a column"));
-            close(energies[2], last.expect("a cell").parse().expect("a number"), 5e-3);
+            let absorbed = column(&folder.path().join(format!("runs/{kind}/signals.csv")), "absorbed_energy_J");
+            close(energies[2], absorbed[absorbed.len() - 1], 5e-3);
         }
     }
     // Both ends of the coupling of MD and TD, in one table.
@@ -140,10 +116,7 @@ fn puncture_tests_give_force_travel_and_energy() {
         folder.path(),
         &["sweep", "en14477.toml", "--set", "specimen.mesh.size=0.15mm", "--out", "ends"],
     ));
-    let mut table = csv::Reader::from_path(folder.path().join("ends/table.csv")).expect("a table");
-    let force =
-        table.headers().expect("a header").iter().position(|name| name == "puncture_force_N").expect("a column");
-    let forces: Vec<f64> = table.records().map(|row| row.expect("a row")[force].parse().expect("a number")).collect();
+    let forces = column(&folder.path().join("ends/table.csv"), "puncture_force_N");
     assert!(forces.len() == 2 && forces[1] > 1.7 * forces[0], "{forces:?}");
 }
 
@@ -156,21 +129,19 @@ fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     printed(&droptower(folder.path(), &["new", kind, &path]));
     let search = ["script", "failure-mass", "--scenario", &path, "--set", coarse, "--arg", "scatter=0", "--force"];
     printed(&droptower(folder.path(), &search));
-    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    let summary = summary(&folder.path().join("runs/failure-mass"));
     let mass = figure(&summary, "threshold_mass_kg");
     for (share, broke) in [(0.98, false), (1.02, true)] {
         let dart = format!("impactor.mass={}", share * mass);
         let output = droptower(folder.path(), &["run", &path, "--set", coarse, "--set", &dart, "--json"]);
-        let runs: Json = serde_json::from_str(&printed(&output)).expect("JSON");
+        let runs = figures(&output);
         assert!(runs.to_string().contains(&format!("\"ruptured\":{broke}")), "{kind} at {share}: {runs}");
     }
     close(figure(&summary, "failure_mass_kg"), mass, 0.08);
     assert_eq!(summary["tables"]["drops"].as_array().map(Vec::len), Some(20));
     // Specimens that are alike tell no deviation, and why; what no coupon tells moves the mass all the same.
     assert!(summary["failure_mass_low_kg"].is_null() && summary["failure_mass_deviation_kg"].is_null(), "{summary}");
-    let findings = summary["findings"].as_array().expect("findings");
-    assert!(findings.iter().any(|finding| finding["code"] == "no-strength-fit"), "{summary}");
+    assert!(finding_codes(&summary).contains(&"no-strength-fit"), "{summary}");
     let [low, high] = ["threshold_range_low_kg", "threshold_range_high_kg"].map(|name| figure(&summary, name));
     assert!(low < 0.8 * mass && high > 1.3 * mass, "{kind}: {low} and {high} kg about {mass} kg");
     let rows = summary["tables"]["range"].as_array().expect("a range");
@@ -211,17 +182,16 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
     printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
     let scattered = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
     printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=12mm"]].concat()));
-    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    let first = summary(&folder.path().join("runs/failure-mass"));
     for name in ["failure_mass", "failure_mass_deviation"] {
-        let [low, value, high] = ["_low_kg", "_kg", "_high_kg"].map(|end| figure(&summary, &format!("{name}{end}")));
-        assert!(0.0 < low && low < value && value < high, "{summary}");
+        let [low, value, high] = ["_low_kg", "_kg", "_high_kg"].map(|end| figure(&first, &format!("{name}{end}")));
+        assert!(0.0 < low && low < value && value < high, "{first}");
     }
-    assert!(summary["threshold_range_low_kg"].is_null(), "{summary}");
+    assert!(first["threshold_range_low_kg"].is_null(), "{first}");
     let doubted = |answer: &str| answer.contains("20 to 60 % of theirs");
     assert!(
-        doubted(summary["answer"].as_str().expect("an answer"))
-            && summary["findings"].to_string().contains("\"code\":\"break-strain-of-coupons\"")
+        doubted(first["answer"].as_str().expect("an answer"))
+            && first["findings"].to_string().contains("\"code\":\"break-strain-of-coupons\"")
     );
     // A break strain that was found is not that of coupons.
     let moved = [
@@ -233,8 +203,7 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
         "specimens=0",
     ];
     printed(&droptower(folder.path(), &[&scattered[..], &moved].concat()));
-    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    let summary = summary(&folder.path().join("runs/failure-mass"));
     assert!(!doubted(summary["answer"].as_str().expect("an answer")), "{summary}");
 }
 
@@ -244,9 +213,8 @@ fn the_answer_of_a_run_is_its_verdict() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "dart.toml"]));
     let coarse = ["--set", "specimen.mesh.size=8mm", "--unset", "post", "--json"];
-    let run = |more: &[&str]| -> Json {
-        let output = droptower(folder.path(), &[&["run", "dart.toml", "--force"][..], &coarse, more].concat());
-        serde_json::from_str(&printed(&output)).expect("JSON")
+    let run = |more: &[&str]| {
+        figures(&droptower(folder.path(), &[&["run", "dart.toml", "--force"][..], &coarse, more].concat()))
     };
     let page = || fs::read_to_string(folder.path().join("runs/dart/report.html")).expect("a page");
     let lead =
@@ -281,8 +249,7 @@ fn failure_mass(more: &[&str]) -> (Json, String) {
     printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
     let study = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--set", "specimen.mesh.size=12mm"];
     printed(&droptower(folder.path(), &[&study[..], &["--arg", "specimens=0"], more].concat()));
-    let summary = fs::read(folder.path().join("runs/failure-mass/summary.json")).expect("a summary");
-    let summary: Json = serde_json::from_slice(&summary).expect("JSON");
+    let summary = summary(&folder.path().join("runs/failure-mass"));
     let answer = summary["answer"].as_str().expect("an answer").to_owned();
     (summary, answer)
 }

@@ -78,21 +78,86 @@ pub fn printed_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// What it says where it refuses its input, `expected` among it.
+pub fn refused(output: &Output, expected: &str) -> String {
+    let said = error(output);
+    assert!(output.status.code() == Some(2) && said.contains(expected), "{expected}: {said}");
+    said
+}
+
 /// The figures that it prints where it succeeds.
 pub fn figures(output: &Output) -> Json {
     serde_json::from_str(&printed(output)).expect("JSON")
 }
 
-/// The files with a mistake in a list of `broken/files/`: name, what is said of it, and content, which a backslash ends where
-/// no line does.
-pub fn mistaken(list: &str) -> Vec<[String; 3]> {
+/// The JSON in a file.
+pub fn json(path: &Path) -> Json {
+    serde_json::from_slice(&fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))).expect("JSON")
+}
+
+/// The figures in the folder of a run or a study.
+pub fn summary(folder: &Path) -> Json {
+    json(&folder.join("summary.json"))
+}
+
+/// A figure that is there.
+pub fn figure(figures: &Json, name: &str) -> f64 {
+    figures[name].as_f64().unwrap_or_else(|| panic!("no {name} in {figures}"))
+}
+
+/// The codes of the findings among figures.
+pub fn finding_codes(figures: &Json) -> Vec<&str> {
+    figures["findings"].as_array().expect("findings").iter().filter_map(|finding| finding["code"].as_str()).collect()
+}
+
+/// Numbers of a column of a table, where there are any.
+pub fn column(table: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(table).expect("a table");
+    let place = reader.headers().expect("a header").iter().position(|own| own == name).expect(name);
+    reader.records().map(|row| row.expect("a row")[place].parse().unwrap_or(f64::NAN)).collect()
+}
+
+/// A folder with a short drop on a coarse film in `drop.toml`, with these lines more.
+pub fn scene(more: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = root().join("scenarios/drop/1008.toml");
+    let text = format!(
+        "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
+         loading.impact.duration = \"10 ms\"\n{more}\n"
+    );
+    fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
+    folder
+}
+
+/// A recording of a drop with other readings of its accelerometer, by time and reading; without the rows of none.
+pub fn with_readings(recording: &str, change: impl Fn(f64, f64) -> Option<String>) -> String {
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        match (cells[0].parse::<f64>(), cells.get(1).and_then(|cell| cell.parse::<f64>().ok())) {
+            (Ok(time), Some(reading)) => Some(format!("{},{},{}\n", cells[0], change(time, reading)?, cells[2])),
+            _ => Some(format!("{line}\n")),
+        }
+    };
+    recording.lines().filter_map(row).collect()
+}
+
+/// The blocks of a list of `broken/files/`: the head of each, and its content, which a backslash ends where no line does.
+pub fn blocks(list: &str) -> Vec<[String; 2]> {
     let text = fs::read_to_string(root().join("tests/it/broken/files").join(list)).expect("a list");
     let text = text.strip_prefix("=== ").and_then(|text| text.strip_suffix('\n')).expect("a head");
-    let blocks = text.split("\n=== ").map(|block| format!("{block}\n"));
-    let parts = blocks.map(|block| {
+    let parts = text.split("\n=== ").map(|block| {
         let (head, content) = block.split_once('\n').expect("a line");
+        let content = format!("{content}\n");
+        [head, content.strip_suffix("\\\n").unwrap_or(&content)].map(str::to_owned)
+    });
+    parts.collect()
+}
+
+/// The files with a mistake in such a list: name, what is said of it, and content.
+pub fn mistaken(list: &str) -> Vec<[String; 3]> {
+    let parts = blocks(list).into_iter().map(|[head, content]| {
         let (name, said) = head.split_once(": ").expect("what is said");
-        [name, said, content.strip_suffix("\\\n").unwrap_or(content)].map(str::to_owned)
+        [name.to_owned(), said.to_owned(), content]
     });
     parts.collect()
 }
