@@ -14,7 +14,7 @@ use droptower::signal::Recording;
 use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunError, RunOptions, Warning};
 
 use crate::verification::tower::shipped;
-use crate::workbench::{self, await_of, command, drop_bench, droptower, error, printed, refused};
+use crate::workbench::{self, await_of, command, drop_bench, droptower, error, printed, refused, told};
 
 /// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
 const SLOW: [&str; 6] =
@@ -64,9 +64,8 @@ fn a_killed_run_resumes_to_the_same_bits() {
     printed(&run(bench.path(), &[&SLOW[..], &["--out", "runs/through", "--quiet"]].concat()));
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
     // Taken up with the same interval and another number of threads.
-    let last = run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat());
-    assert!(last.status.success(), "{}", error(&last));
-    assert!(error(&last).contains("note: drop resumes at "), "{}", error(&last));
+    let told = told(&run(bench.path(), &[&SLOW[..], &["--resume", "--threads", "1"]].concat()));
+    assert!(told.contains("note: drop resumes at "), "{told}");
     let (one, other) = (bench.path().join("runs/through"), bench.path().join("runs/drop"));
     for name in ["signals.csv", "energies.csv", "scenario.toml"] {
         let content = |folder: &Path| fs::read(folder.join(name)).expect("a file");
@@ -96,9 +95,8 @@ fn a_checkpoint_of_another_run_is_refused() {
     }
     // What is read after the run may change.
     fs::write(bench.path().join("post.rhai"), "measure(\"more\", 1);").expect("a script");
-    let output = run(bench.path(), &[&SLOW[..], &["--resume", "--quiet", "--set", "post.script=post.rhai"]].concat());
-    assert!(output.status.success(), "{}", error(&output));
-    assert_eq!(error(&output), "");
+    let more = ["--resume", "--quiet", "--set", "post.script=post.rhai"];
+    assert_eq!(told(&run(bench.path(), &[&SLOW[..], &more].concat())), "");
     assert_eq!(summary(&bench.path().join("runs/drop"))["more"], 1);
 }
 
@@ -114,14 +112,13 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     assert_eq!(said.matches("there is no checkpoint in").count(), 3, "{said}");
     printed(&droptower(bench.path(), &[&["run", done, "--quiet"][..], &SLOW].concat()));
     killed_after(1, bench.path(), &[&SLOW[..], &["--checkpoint-every", "1 ms"]].concat());
-    let output = droptower(bench.path(), &all);
-    assert!(output.status.success(), "{}", error(&output));
+    let said = told(&droptower(bench.path(), &all));
     for expected in [
         "note: drop resumes at ",
         "note: later starts from its beginning: there is no checkpoint in runs/later.checkpoint\n",
         "note: done is complete: runs/done\n",
     ] {
-        assert!(error(&output).contains(expected), "{expected}: {}", error(&output));
+        assert!(said.contains(expected), "{expected}: {said}");
     }
     let signals = |name: &str| fs::read(bench.path().join("runs").join(name).join("signals.csv")).expect("signals");
     assert!(signals("done") == signals("drop") && signals("later") == signals("drop"), "the signals differ");
@@ -132,9 +129,8 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
         fs::metadata(summary).and_then(|about| about.modified()).expect("a time")
     };
     let before = [written("done"), written("later")];
-    let output = droptower(bench.path(), &all);
-    assert!(output.status.success(), "{}", error(&output));
-    assert_eq!(error(&output).matches(" is complete: runs/").count(), 3, "{}", error(&output));
+    let said = told(&droptower(bench.path(), &all));
+    assert_eq!(said.matches(" is complete: runs/").count(), 3, "{said}");
     let text = fs::read_to_string(bench.path().join(later)).expect("a scenario");
     let changed = text.replace("title = \"Drop test", "title = \"Another drop test");
     fs::write(bench.path().join(later), changed).expect("a scenario");
@@ -188,9 +184,8 @@ fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
     fs::write(newer, &turned).expect("one bit turned");
     // The newer one, whole, under the older one's name stands in for a whole older one.
     fs::write(older, &whole).expect("restored");
-    let output = run(bench.path(), &resumed);
-    assert!(output.status.success(), "{}", error(&output));
-    assert!(error(&output).contains("is damaged; "), "{}", error(&output));
+    let said = told(&run(bench.path(), &resumed));
+    assert!(said.contains("is damaged; "), "{said}");
 }
 
 #[test]

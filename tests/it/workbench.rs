@@ -78,6 +78,12 @@ pub fn printed_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// What it says beside its output where it succeeds.
+pub fn told(output: &Output) -> String {
+    printed(output);
+    error(output)
+}
+
 /// What it says where it refuses its input, `expected` among it.
 pub fn refused(output: &Output, expected: &str) -> String {
     let said = error(output);
