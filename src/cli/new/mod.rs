@@ -63,8 +63,8 @@ pub(crate) fn run(args: &NewArgs, shared: &Shared) -> Result<(), Failure> {
         Kind::Study(Target { path }) => return write_study(path, shared),
         Kind::Slurm(args) => return write_slurm(args, shared),
         Kind::Test(test) => {
-            let path = &test.target().path;
-            (FileKind::Scenario, test.template(), path, test.next(path))
+            let (Target { path }, text, scripts, next) = test.parts();
+            (FileKind::Scenario, Template { text: text.into(), scripts }, path, next(&shown_path(path)))
         }
         Kind::Material(args) => {
             let Some((template, path)) = args.template() else { return materials::list(shared) };
@@ -185,60 +185,38 @@ enum Test {
 }
 
 /// The post script of the puncture tests.
-const PUNCTURE: Script = ("puncture.rhai", include_str!("../../../scripts/post/puncture.rhai"));
+const PUNCTURE: &[Script] = &[("puncture.rhai", include_str!("../../../scripts/post/puncture.rhai"))];
+
+/// What gives the figure of a test whose scenario is at a path.
+type Next = fn(&str) -> String;
+
+const CHECK: Next = |scenario| format!("droptower check {scenario}");
+
+const FAILURE_MASS: Next =
+    |scenario| format!("droptower script failure-mass --scenario {scenario}   (the failure mass)");
+
+const FORCE: Next = |scenario| {
+    format!(
+        "droptower run {scenario}   (force, travel and energy of the puncture); droptower sweep {scenario}   (the same for both \
+         ends of what coupons do not tell)"
+    )
+};
 
 impl Test {
-    /// Where its template is written.
-    fn target(&self) -> &Target {
+    /// Where its template is written, its scenario and scripts, and the command that comes next.
+    fn parts(&self) -> (&Target, &'static str, &'static [Script], Next) {
         match self {
-            Test::Drop(target)
-            | Test::D1709A(target)
-            | Test::D1709B(target)
-            | Test::D7192(target)
-            | Test::D5748(target)
-            | Test::Iso7765(target)
-            | Test::En14477(target)
-            | Test::Coupon(target)
-            | Test::Indent(target)
-            | Test::Pressure(target)
-            | Test::Volume(target) => target,
-        }
-    }
-
-    /// Its scenario and scripts.
-    fn template(&self) -> Template {
-        let (text, scripts): (_, &[Script]) = match self {
-            Test::Drop(_) => (include_str!("templates/drop.toml"), &[]),
-            Test::D1709A(_) => (include_str!("templates/d1709-a.toml"), &[PUNCTURE]),
-            Test::D1709B(_) => (include_str!("templates/d1709-b.toml"), &[PUNCTURE]),
-            Test::D7192(_) => (include_str!("templates/d7192.toml"), &[PUNCTURE]),
-            Test::D5748(_) => (include_str!("templates/d5748.toml"), &[PUNCTURE]),
-            Test::Iso7765(_) => (include_str!("templates/iso7765-2.toml"), &[PUNCTURE]),
-            Test::En14477(_) => (include_str!("templates/en14477.toml"), &[PUNCTURE]),
-            Test::Coupon(_) => (include_str!("templates/coupon.toml"), &[]),
-            Test::Indent(_) => (include_str!("templates/indent.toml"), &[]),
-            Test::Pressure(_) => (include_str!("templates/pressure.toml"), &[]),
-            Test::Volume(_) => (include_str!("templates/volume.toml"), &[]),
-        };
-        Template { text: text.into(), scripts }
-    }
-
-    /// The command that gives the figure of the test whose scenario is at `path`.
-    pub(crate) fn next(&self, path: &Path) -> String {
-        let scenario = shown_path(path);
-        match self {
-            Test::D1709A(_) | Test::D1709B(_) => {
-                format!("droptower script failure-mass --scenario {scenario}   (the failure mass)")
-            }
-            Test::D7192(_) | Test::D5748(_) | Test::Iso7765(_) | Test::En14477(_) => {
-                format!(
-                    "droptower run {scenario}   (force, travel and energy of the puncture); droptower sweep {scenario}   (the same for \
-                     both ends of what coupons do not tell)"
-                )
-            }
-            Test::Drop(_) | Test::Coupon(_) | Test::Indent(_) | Test::Pressure(_) | Test::Volume(_) => {
-                format!("droptower check {scenario}")
-            }
+            Test::Drop(target) => (target, include_str!("templates/drop.toml"), &[], CHECK),
+            Test::D1709A(target) => (target, include_str!("templates/d1709-a.toml"), PUNCTURE, FAILURE_MASS),
+            Test::D1709B(target) => (target, include_str!("templates/d1709-b.toml"), PUNCTURE, FAILURE_MASS),
+            Test::D7192(target) => (target, include_str!("templates/d7192.toml"), PUNCTURE, FORCE),
+            Test::D5748(target) => (target, include_str!("templates/d5748.toml"), PUNCTURE, FORCE),
+            Test::Iso7765(target) => (target, include_str!("templates/iso7765-2.toml"), PUNCTURE, FORCE),
+            Test::En14477(target) => (target, include_str!("templates/en14477.toml"), PUNCTURE, FORCE),
+            Test::Coupon(target) => (target, include_str!("templates/coupon.toml"), &[], CHECK),
+            Test::Indent(target) => (target, include_str!("templates/indent.toml"), &[], CHECK),
+            Test::Pressure(target) => (target, include_str!("templates/pressure.toml"), &[], CHECK),
+            Test::Volume(target) => (target, include_str!("templates/volume.toml"), &[], CHECK),
         }
     }
 }
