@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use crate::{Failure, Shared, checkpoint, print, print_json, shell, shipped};
-use base::diagnostic::{Diagnostic, closest};
+use base::diagnostic::{Diagnostic, closest, did_you_mean};
 use base::finding::Code;
 use base::removed;
 use lab::signal::column::{self, COLUMNS, Column};
@@ -102,20 +102,13 @@ fn with_similar_name(mistake: Diagnostic, path: &str) -> Diagnostic {
     let is_name = path.contains('_') && !path.contains('.');
     let gone = || removed::key(path).or_else(|| removed::function(path)).or_else(|| removed::finding(path));
     let code = || similar_finding(path).filter(|_| path.contains('-'));
-    let column = || {
-        let names = COLUMNS.iter().map(|column| column.name).chain(energy_columns().map(|term| term.name));
-        closest(path, names).map(|name| format!("did you mean the column `{name}`?"))
-    };
-    let figure = || {
-        let figures = post::figures();
-        let nearest = closest(path, figures.iter().map(|figure| figure.name.as_str()));
-        nearest.map(|name| format!("did you mean the figure `{name}`?"))
-    };
+    let figures = post::figures();
+    let figures = figures.iter().map(|figure| figure.name.as_str());
+    let columns = COLUMNS.iter().map(|column| column.name).chain(energy_columns().map(|term| term.name));
+    let column = || closest(path, columns).map(|name| format!("did you mean the column `{name}`?"));
+    let figure = || closest(path, figures).map(|name| format!("did you mean the figure `{name}`?"));
     let named = || if is_name { column().or_else(figure) } else { None };
-    match gone().or_else(code).or_else(named) {
-        Some(hint) => mistake.hint(hint),
-        None => mistake,
-    }
+    mistake.hint_if(gone().or_else(code).or_else(named))
 }
 
 /// The entry of one key.
@@ -212,12 +205,10 @@ fn paths(name: String, key: &'static Key) -> Vec<(String, &'static Key)> {
 
 fn unknown(step: &str, name: &str, keys: &TableRule) -> Diagnostic {
     let place = if name.is_empty() { "a scenario".to_owned() } else { format!("`{name}`") };
-    let mistake = Diagnostic::new(format!("{place} has no key `{step}`"));
     let names = || keys.keys.iter().map(|key| key.name.as_str());
-    match closest(step, names()) {
-        Some(name) => mistake.hint(format!("did you mean `{name}`?")),
-        None => mistake.hint(format!("it has {}", names().collect::<Vec<_>>().join(", "))),
-    }
+    let hint = did_you_mean(step, names());
+    let hint = hint.unwrap_or_else(|| format!("it has {}", names().collect::<Vec<_>>().join(", ")));
+    Diagnostic::new(format!("{place} has no key `{step}`")).hint(hint)
 }
 
 /// The keys of a table, or of the tables in a list.

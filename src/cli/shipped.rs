@@ -71,20 +71,15 @@ pub(crate) fn about(given: &Path) -> Result<About, Failure> {
 
 /// What a figure is that a shipped script measures, and which one; none where none does.
 pub(crate) fn figure(figure: &str) -> Option<Explanation> {
-    let entry = |(script, text): &(&'static str, &'static str)| {
+    let of_scripts = SHIPPED.iter().map(|(name, text)| (name, text, format!("`droptower script {name}`")));
+    let of_post = |name: &str| format!("the post script {name}, which `droptower new` writes");
+    let scripts = of_scripts.chain(POST.iter().map(|(name, text)| (name, text, of_post(name))));
+    let entry = |(script, text, whose): (&&str, &&str, String)| {
         let sentence = figure_sentence(text, figure)?;
         let facts = json!({ "figure": figure, "script": script, "sentence": sentence });
-        Some((facts, format!("{figure}\n    {sentence}\n    figure of `droptower script {script}`")))
+        Some((facts, format!("{figure}\n    {sentence}\n    figure of {whose}")))
     };
-    let post = |(script, text): &(&'static str, &'static str)| {
-        let sentence = figure_sentence(text, figure)?;
-        let facts = json!({ "figure": figure, "script": script, "sentence": sentence });
-        Some((
-            facts,
-            format!("{figure}\n    {sentence}\n    figure of the post script {script}, which `droptower new` writes"),
-        ))
-    };
-    let found: Vec<_> = SHIPPED.iter().filter_map(entry).chain(POST.iter().filter_map(post)).collect();
+    let found: Vec<_> = scripts.filter_map(entry).collect();
     (!found.is_empty()).then(|| found.into_iter().collect())
 }
 
