@@ -1,11 +1,13 @@
 //! What commands share of their arguments: numbers and quantities, changes of scenarios, values for scripts.
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::Failure;
 use crate::failure::all;
+use crate::live::{self, Viewer};
 use crate::shell;
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Diagnostic, Source, Span};
 use base::units::{Dimension, Time, UnitError, with_decimal_point};
 use scene::scenario::Assignment;
 use study::script::argument_value;
@@ -39,6 +41,23 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
     })
 }
 
+/// A word of an option, what the help says of it, and what it means.
+pub(crate) type Choice<T> = (&'static str, &'static str, T);
+
+/// The parser of an option that takes one of these words.
+pub(crate) fn choice<T: Copy + Send + Sync + 'static>(words: &'static [Choice<T>]) -> impl TypedValueParser<Value = T> {
+    let known = words.iter().map(|(word, help, _)| PossibleValue::new(*word).help(*help));
+    PossibleValuesParser::new(known).try_map(move |written| {
+        let found = words.iter().find(|(word, ..)| *word == written);
+        found.map(|(.., meaning)| *meaning).ok_or("not one of the words")
+    })
+}
+
+/// The word of a choice, and what the help says of it.
+pub(crate) fn words_of<T: PartialEq>(words: &[Choice<T>], chosen: &T) -> [&'static str; 2] {
+    words.iter().find(|(.., meaning)| meaning == chosen).map_or([""; 2], |(word, help, _)| [*word, *help])
+}
+
 /// A time in ms, as a number or with its unit: `15`, `15 ms`, `0.015 s`.
 pub(crate) fn milliseconds(text: &str) -> Result<f64, String> {
     let with_unit = || Time::DIMENSION.parse(text).map(|seconds| 1e3 * seconds);
@@ -46,9 +65,40 @@ pub(crate) fn milliseconds(text: &str) -> Result<f64, String> {
     number(text).or_else(|_| with_unit()).map_err(|_| decimal_comma(text).unwrap_or_else(expected))
 }
 
+/// A mistake in the value of an option.
+pub(crate) fn in_option(option: &str, text: &str, message: String) -> Diagnostic {
+    Diagnostic::new(message).at(&Span::new(&Source::unfiled(option, text.to_owned()), 0..text.len()))
+}
+
+/// The time that an option gives with its unit, s.
+pub(crate) fn time(option: &str, text: &str) -> Result<f64, Diagnostic> {
+    Time::DIMENSION.parse(text).map_err(|error| in_option(option, text, error.to_string()).hint(error.hint()))
+}
+
 fn decimal_comma(text: &str) -> Option<String> {
     let point = with_decimal_point(text)?;
     Some(format!("decimal comma in \"{text}\"; write it with a decimal point: \"{point}\""))
+}
+
+/// `--live`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ViewerArgs {
+    /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
+    #[arg(
+        long,
+        value_name = "URL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
+    )]
+    pub live: Option<String>,
+}
+
+impl ViewerArgs {
+    /// The viewer that is asked for.
+    pub(crate) fn viewer(&self) -> Result<Option<Viewer>, Diagnostic> {
+        self.live.as_deref().map(live::viewer).transpose()
+    }
 }
 
 /// `--set` and `--unset`.

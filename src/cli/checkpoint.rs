@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::args::in_option;
 use crate::scenarios::Checked;
-use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use base::diagnostic::{Diagnostic, shown_path};
 use base::findings;
 use base::units::Time;
 use scene::model::{Identity, Model};
@@ -47,19 +48,17 @@ pub(crate) fn are_beside(place: &Path) -> bool {
 
 /// The interval that `--checkpoint-every` gives, s.
 pub(crate) fn interval(text: &str) -> Result<f64, Diagnostic> {
-    let source = Source::unfiled("--checkpoint-every", text.to_owned());
-    let whole = Span::new(&source, 0..text.len());
+    let mistake = |message: String| in_option("--checkpoint-every", text, message);
     let value = match text.trim().parse::<f64>() {
         Ok(seconds) => seconds,
         Err(_) => Time::DIMENSION.parse(text).map_err(|error| {
-            let mistake = Diagnostic::new(error.to_string()).at(&whole);
-            mistake.hint(format!("simulated time between two checkpoints; {}", error.hint()))
+            mistake(error.to_string()).hint(format!("simulated time between two checkpoints; {}", error.hint()))
         })?,
     };
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(Diagnostic::new(format!("no time passes between checkpoints every {}", Time(value))).at(&whole))
+        Err(mistake(format!("no time passes between checkpoints every {}", Time(value))))
     }
 }
 

@@ -6,8 +6,9 @@ use clap::Args;
 use serde_json::json;
 
 use crate::failure::{all, both, hinted, recording, refuse};
+use crate::folder::ResultPlace;
 use crate::scenarios;
-use crate::{Failure, Shared, folder, print_figures, terminal};
+use crate::{Failure, Shared, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use report::compare_page;
 use scene::expectation::{Expectations, Given, Outside, Recorded};
@@ -40,21 +41,18 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let bounds = args.within.as_deref().map(|path| scenarios::expectations(path, true)).transpose();
     let (runs, bounds) = both(stored(&args.runs), bounds)?;
     check_signals(&runs, &args.signal)?;
-    free(args)?;
+    let place = place(args)?;
     let comparison = RunComparison::from_runs(&runs, &args.signal);
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let mut summary = comparison.summary();
     summary.insert("answer".into(), compare_page::sentence(&comparison).into());
     summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&args.out, Path::new(".")).into());
     summary.extend(outside.as_deref().map(|outside| ("outside".to_owned(), json!(outside))));
-    let stored = Draft::begin(&args.out, Origin::of_comparison(&args.runs), args.force).and_then(|draft| {
-        let files = folder::fill_comparison(&draft, &comparison, &summary, outside.as_deref())?;
-        Ok((draft.publish()?, files))
-    });
-    let (place, files) = stored.map_err(|error| Failure::unstored(&error))?;
+    let page = compare_page::compare_page(&comparison, outside.as_deref());
+    let (_, files) = place.store(&summary, |_| Ok(()), page, Draft::publish)?;
     print_figures(shared, &summary, || {
         let verdict = outside.as_deref().map(verdict).unwrap_or_default();
-        [text(&comparison, args.all), verdict, folder::listing(&place, &files)].concat()
+        [text(&comparison, args.all), verdict, files].concat()
     })?;
     match outside.unwrap_or_default().iter().filter(|run| !run.differences.is_empty()).count() {
         0 => Ok(()),
@@ -109,8 +107,8 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
     }
 }
 
-/// Checks that the results replace neither files of the user nor any of the runs, nor those of other runs or of a script.
-fn free(args: &CompareArgs) -> Result<(), Failure> {
+/// The folder of the results, which replace neither files of the user nor any of the runs, nor those of other runs or of a script.
+fn place(args: &CompareArgs) -> Result<ResultPlace, Failure> {
     store::check_places(std::slice::from_ref(&args.out))?;
     let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
     // A run folder has signals, the folder of a comparison has none.
@@ -118,7 +116,7 @@ fn free(args: &CompareArgs) -> Result<(), Failure> {
     let message = match replaced {
         Some(run) => format!("the results would replace {}, which is compared", shown_path(run)),
         None if is_run() => format!("the results would replace the run {}", shown_path(&args.out)),
-        None => return folder::check(&args.out, args.force, &Origin::of_comparison(&args.runs)),
+        None => return ResultPlace::new(args.out.clone(), Origin::of_comparison(&args.runs), args.force),
     };
     Err(Diagnostic::new(message).hint("give another --out").into())
 }
@@ -137,11 +135,8 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
     let missing = wanted.iter().find(|name| !there.contains(&name.as_str()));
     missing.map_or(Ok(()), |name| {
         let nearest = there.iter().min_by_key(|known| strsim::damerau_levenshtein(known, name));
-        let mistake = Diagnostic::new(format!("no run has a signal `{name}`"));
-        Err(match nearest {
-            Some(nearest) => mistake.hint(format!("did you mean `{nearest}`?")),
-            None => mistake,
-        })
+        let hint = nearest.map(|nearest| format!("did you mean `{nearest}`?"));
+        Err(Diagnostic::new(format!("no run has a signal `{name}`")).hint_if(hint))
     })
 }
 

@@ -1,33 +1,47 @@
-//! One of several processes that compute a study together: its part, its end.
+//! A command that computes many runs, alone or with other processes: its records, its part, its end.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::Failure;
-use super::failure::ExitStatus;
+use crate::failure::ExitStatus;
+use crate::folder::ResultArgs;
+use crate::live_page::LivePage;
+use crate::{Failure, args};
 use base::cancellation::Cancellation;
-use base::diagnostic::{Diagnostic, Source, Span};
+use base::diagnostic::Diagnostic;
 use base::periodic;
-use base::units::Time;
 use study::evaluate::Evaluations;
+use study::store;
 use study::store::evaluations::Share;
 
 /// Time between two looks at the clock.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Part of the runs that one of several processes takes, and when it stops.
+/// Where records and results of many runs go, the part of them that one of several processes takes, and when it stops.
 #[derive(Clone, Debug, Args)]
-pub(super) struct ShardArgs {
+pub(super) struct StudyArgs {
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// Take this part of the runs first, then what no other process has begun: 3/16
     #[arg(long, value_name = "K/N")]
     pub shard: Option<String>,
     /// Stop before this wall time is over ("50min"); what is done stays
     #[arg(long, value_name = "TIME")]
     pub stop_after: Option<String>,
+    /// Folder of the evaluations that are never computed twice
+    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
+    pub store: PathBuf,
 }
 
-impl ShardArgs {
+impl StudyArgs {
+    /// The records of the runs, of which this process takes `share` and `page` shows the progress.
+    pub(super) fn evaluations(&self, share: Share, page: &LivePage) -> Evaluations {
+        let page = page.clone();
+        Evaluations::new(&self.store).with_share(share).with_observer(move |event| page.note_run(&event))
+    }
+
     /// The part of the runs.
     pub(super) fn share(&self) -> Result<Share, Failure> {
         let Some(text) = &self.shard else { return Ok(Share::WHOLE) };
@@ -40,14 +54,14 @@ impl ShardArgs {
     /// Latest time at which a run may end.
     pub(super) fn deadline(&self, begin: Instant) -> Result<Option<Instant>, Failure> {
         let Some(text) = &self.stop_after else { return Ok(None) };
-        let source = Source::unfiled("--stop-after", text.clone());
-        let mistake =
-            |message: String, hint: String| Diagnostic::new(message).at(&Span::new(&source, 0..text.len())).hint(hint);
-        let seconds = Time::DIMENSION.parse(text).map_err(|error| mistake(error.to_string(), error.hint()))?;
+        let seconds = args::time("--stop-after", text)?;
         let limit = Duration::try_from_secs_f64(seconds).ok().and_then(|limit| begin.checked_add(limit));
         match limit {
             Some(limit) if seconds > 0.0 => Ok(Some(limit)),
-            _ => Err(mistake(format!("no run ends within {text}"), "write it like \"50 min\"".into()).into()),
+            _ => {
+                let mistake = args::in_option("--stop-after", text, format!("no run ends within {text}"));
+                Err(mistake.hint("write it like \"50 min\"").into())
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::args::{number, quantity};
 use crate::failure::all;
 use crate::scenarios::paths;
 use crate::signal::FileArgs;
-use crate::{Failure, Shared, failure, output, print_figures, terminal};
+use crate::{Failure, Shared, failure, output, print_results, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::{figure, plain, rounded, significant};
@@ -153,7 +153,7 @@ fn fit_rubber(args: &RubberArgs, shared: &Shared) -> Result<(), Failure> {
     let material = law_text(&fit, &args.fitted.film());
     let written =
         places.write(&material, &rubber_page(&fit, &findings, places.material.as_ref().map(|_| material.as_str())))?;
-    print_figures(shared, &rubber_figures(&fit, &findings, &written), || rubber_text(&fit, &findings, &written))
+    print_results(shared, rubber_figures(&fit), &findings, &written, || rubber_text(&fit))
 }
 
 /// The value of each file: one for all, or as many as there are.
@@ -173,11 +173,7 @@ fn one_each<'v, T: Copy>(
 fn set(args: &RubberArgs, path: &Path, kind: Option<TestKind>, weight: Option<f64>) -> Result<DataSet, Diagnostic> {
     let reader = StressReader { kind, table: args.fitted.file.options(ChannelSelection::All)? };
     let set = reader.read(path).map_err(|error| failure::recording(&error))?;
-    set.with_weight(weight.unwrap_or(1.0)).map_err(|error| located(path, &error))
-}
-
-fn located(path: &Path, error: &impl std::fmt::Display) -> Diagnostic {
-    Diagnostic::new(format!("{}: {error}", path.display()))
+    set.with_weight(weight.unwrap_or(1.0)).map_err(|error| failure::content(path, &error))
 }
 
 /// The page with measured and fitted curves, residuals and figures.
@@ -209,18 +205,21 @@ fn correlation(fit: &LawFit) -> Option<Correlation> {
     })
 }
 
-/// The unit in which a coefficient is shown, and the factor to it.
-fn shown_unit(coefficient: &Coefficient) -> (f64, &'static str) {
-    if coefficient.is_modulus { (1e-6, "MPa") } else { (1.0, "") }
+/// Name, unit, value, standard error and interval of a coefficient.
+fn coefficient_cells(one: &Coefficient) -> [String; 6] {
+    let (factor, unit) = if one.is_modulus { (1e-6, "MPa") } else { (1.0, "") };
+    let shown = |value: f64| figure(value * factor, 5);
+    let [low, high] = match one.interval {
+        Some(ends) if ends.iter().all(|end| end.is_finite()) => ends.map(shown),
+        Some(_) => ["not determined".into(), String::new()],
+        None => [String::new(), String::new()],
+    };
+    let error = one.standard_error.map_or_else(String::new, shown);
+    [one.name.clone(), unit.into(), shown(one.value), error, low, high]
 }
 
 fn coefficients(fit: &LawFit) -> FitTable {
-    let rows = fit.coefficients.iter().map(|one| {
-        let (factor, unit) = shown_unit(one);
-        let shown = |value: Option<f64>| value.map_or_else(String::new, |value| figure(value * factor, 5));
-        let [low, high] = one.interval.map_or([None; 2], |ends| ends.map(Some));
-        vec![one.name.clone(), unit.into(), shown(Some(one.value)), shown(one.standard_error), shown(low), shown(high)]
-    });
+    let rows = fit.coefficients.iter().map(|one| coefficient_cells(one).into());
     let columns = &["coefficient", "unit", "value", "standard error", "95 %: from", "to"];
     FitTable { title: "Coefficients", texts: 2, columns, rows: rows.collect() }
 }
@@ -280,7 +279,7 @@ fn points(name: impl Into<String>, points: impl Iterator<Item = [f64; 2]>) -> Cu
 }
 
 /// All figures; SI.
-fn rubber_figures(fit: &LawFit, findings: &[Finding], written: &[String]) -> Json {
+fn rubber_figures(fit: &LawFit) -> Json {
     let coefficient = |one: &Coefficient| {
         json!({
             "name": one.name,
@@ -313,22 +312,14 @@ fn rubber_figures(fit: &LawFit, findings: &[Finding], written: &[String]) -> Jso
         "predictions": fit.predictions.iter().map(test).collect::<Vec<_>>(),
         "stable_to_stretch": fit.stable_to,
         "unstable_from": fit.unstable_from.map(|(tension, stretch)| (tension.to_string(), stretch)),
-        "findings": findings,
-        "written": written,
     })
 }
 
 /// The figures on the terminal.
-fn rubber_text(fit: &LawFit, findings: &[Finding], written: &[String]) -> String {
+fn rubber_text(fit: &LawFit) -> String {
     let coefficient = |one: &Coefficient| {
-        let (factor, unit) = shown_unit(one);
-        let shown = |value: f64| figure(value * factor, 5);
-        let [low, high] = match one.interval {
-            Some(ends) if ends.iter().all(|end| end.is_finite()) => ends.map(shown),
-            Some(_) => ["not determined".into(), String::new()],
-            None => [String::new(), String::new()],
-        };
-        vec![one.name.clone(), unit.into(), shown(one.value), low, high]
+        let [name, unit, value, _, low, high] = coefficient_cells(one);
+        vec![name, unit, value, low, high]
     };
     let test = |mark: &'static str| {
         move |TestFit { set, quality, .. }: &TestFit| {
@@ -349,13 +340,11 @@ fn rubber_text(fit: &LawFit, findings: &[Finding], written: &[String]) -> String
         Some((tension, stretch)) => format!("unstable in {tension} from the stretch {} on", significant(*stretch, 4)),
     };
     format!(
-        "{}, {} residuals\n{}{}  {stability} (Hill's criterion)\n{}{}",
+        "{}, {} residuals\n{}{}  {stability} (Hill's criterion)\n",
         fit.choice,
         fit.weighting,
         terminal::table(2, ["", "", "value", "95 % from", "to"], fit.coefficients.iter().map(coefficient)),
         terminal::table(2, ["", "", "stresses", "R2", "rms (MPa)", "rms (%)", "largest (MPa)"], tests),
-        terminal::findings("", findings),
-        terminal::written(written)
     )
 }
 
@@ -385,8 +374,7 @@ fn fit_prony_series(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
     let path = &args.data;
     let points = read_relaxation(path, &args.fitted.file.options(ChannelSelection::All)?)
         .map_err(|error| failure::recording(&error))?;
-    let fit =
-        fit_prony(&points, args.terms).map_err(|error| Diagnostic::new(format!("{}: {error}", path.display())))?;
+    let fit = fit_prony(&points, args.terms).map_err(|error| failure::content(path, &error))?;
     let incomplete = args.fitted.film().missing().map(|keys| Warning::MaterialIncomplete { keys: keys.into() });
     let assumed = args.poisson.is_none().then_some(Warning::PoissonAssumed { poisson: ASSUMED_POISSON });
     let of_material = [incomplete, assumed].into_iter().flatten().filter(|_| places.material.is_some());
@@ -397,8 +385,7 @@ fn fit_prony_series(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
     let material = relaxation_text(&RelaxationMaterial { fit: &fit, source: &source, poisson, film });
     let shown = places.material.as_ref().map(|_| material.as_str());
     let written = places.write(&material, &prony_page(&source, &fit, &findings, shown))?;
-    let figures = prony_figures(&source, &fit, &findings, &written);
-    print_figures(shared, &figures, || prony_text(&source, &fit, &findings, &written))
+    print_results(shared, prony_figures(&source, &fit), &findings, &written, || prony_text(&source, &fit))
 }
 
 /// The page with measured and fitted modulus, errors and terms.
@@ -420,11 +407,17 @@ fn tables(fit: &PronyFit) -> Vec<FitTable> {
         ("at time (s)", plain(rounded(fit.at_time, 3))),
     ];
     let figures = figures.map(|(name, value)| vec![name.to_owned(), value]).into();
-    let terms = fit.prony.terms.iter().map(|term| vec![figure(term.share, 5), plain(rounded(term.time, 5))]);
     vec![
         FitTable { title: "Figures", texts: 1, columns: &["figure", "value"], rows: figures },
-        FitTable { title: "Terms", texts: 0, columns: &["share", "time (s)"], rows: terms.collect() },
+        FitTable { title: "Terms", texts: 0, columns: &TERM_COLUMNS, rows: term_cells(fit).collect() },
     ]
+}
+
+/// The columns of a table of terms.
+const TERM_COLUMNS: [&str; 2] = ["share", "time (s)"];
+
+fn term_cells(fit: &PronyFit) -> impl Iterator<Item = Vec<String>> {
+    fit.prony.terms.iter().map(|term| vec![figure(term.share, 5), plain(rounded(term.time, 5))])
 }
 
 fn prony_plots(fit: &PronyFit) -> Vec<Plot> {
@@ -442,7 +435,7 @@ fn prony_plots(fit: &PronyFit) -> Vec<Plot> {
 }
 
 /// All figures; SI.
-fn prony_figures(source: &str, fit: &PronyFit, findings: &[Finding], written: &[String]) -> Json {
+fn prony_figures(source: &str, fit: &PronyFit) -> Json {
     let terms = fit.prony.terms.iter().map(|term| json!({ "share": term.share, "time_s": term.time }));
     json!({
         "source": source,
@@ -454,26 +447,21 @@ fn prony_figures(source: &str, fit: &PronyFit, findings: &[Finding], written: &[
         "relative_rms": fit.relative_rms,
         "largest_relative_error": fit.largest_error,
         "largest_error_at_time_s": fit.at_time,
-        "findings": findings,
-        "written": written,
     })
 }
 
 /// The figures on the terminal.
-fn prony_text(source: &str, fit: &PronyFit, findings: &[Finding], written: &[String]) -> String {
-    let terms = fit.prony.terms.iter().map(|term| vec![figure(term.share, 5), plain(rounded(term.time, 5))]);
+fn prony_text(source: &str, fit: &PronyFit) -> String {
     format!(
-        "{source}: {} moduli, {} terms\n{}  instantaneous {} MPa, in the end {} MPa\n  R2 {:.6}, error {} % rms, {} % at most, at {} s\n{}{}",
+        "{source}: {} moduli, {} terms\n{}  instantaneous {} MPa, in the end {} MPa\n  R2 {:.6}, error {} % rms, {} % at most, at {} s\n",
         fit.measured.len(),
         fit.prony.terms.len(),
-        terminal::table(0, ["share", "time (s)"], terms),
+        terminal::table(0, TERM_COLUMNS, term_cells(fit)),
         figure(fit.prony.instantaneous * 1e-6, 5),
         figure(fit.prony.equilibrium() * 1e-6, 5),
         fit.r_squared,
         significant(fit.relative_rms * 100.0, 3),
         significant(fit.largest_error * 100.0, 3),
         plain(rounded(fit.at_time, 3)),
-        terminal::findings("", findings),
-        terminal::written(written)
     )
 }

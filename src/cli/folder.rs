@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
@@ -15,12 +16,11 @@ use base::number::{self, grouped};
 use base::table;
 use lab::signal::{Recording, csv};
 use report::vtu::{self, VtuError};
-use report::{self, RunPage, StudyPage, SweepPage, compare_page};
-use scene::expectation::{Outside, Verdict};
+use report::{self, RunPage};
 use scene::model::Model;
 use scene::scenario::leaves;
 use scene::simulate::Outcome;
-use study::post::{self, Audit, Impact, Measures, Results, RunComparison};
+use study::post::{self, Audit, Impact, Measures, Results};
 use study::script::{Row, ScriptOutput};
 use study::store::{self, Draft, Origin, StoreError, run_files};
 
@@ -38,23 +38,65 @@ pub(crate) struct Contents<'a> {
     pub vtu: bool,
 }
 
-/// The folder of results: `out`, else that of a name; checked as [`check`] does.
-pub(crate) fn place(out: Option<&Path>, name: &str, force: bool, origin: &Origin) -> Result<PathBuf, Failure> {
-    let place = match out {
-        Some(folder) => folder.to_owned(),
-        None => store::default_place(name)?,
-    };
-    check(&place, force, origin)?;
-    Ok(place)
+/// `--out` and `--force` of commands that have a folder for each name.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ResultArgs {
+    /// Folder for the results [default: runs/NAME of the scenario, script or study; runs/NAME.sweep of a sweep]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace results of something else in the same folder
+    #[arg(long)]
+    pub force: bool,
 }
 
-/// Checks that results at `place` replace nothing of the user's and, unless `force`, no results of another origin.
-pub(crate) fn check(place: &Path, force: bool, origin: &Origin) -> Result<(), Failure> {
-    store::check_places(&[place.to_owned()])?;
-    if !force {
-        origin.check(place)?;
+impl ResultArgs {
+    /// The folder for the results of this name and origin, checked.
+    pub(crate) fn place(&self, name: &str, origin: Origin) -> Result<ResultPlace, Failure> {
+        let folder = self.out.clone().map_or_else(|| store::default_place(name), Ok)?;
+        ResultPlace::new(folder, origin, self.force)
     }
-    Ok(())
+}
+
+/// The folder for the results of a command, and what they may replace.
+pub(crate) struct ResultPlace {
+    pub folder: PathBuf,
+    pub origin: Origin,
+    /// Whether results of another origin are replaced.
+    pub force: bool,
+}
+
+impl ResultPlace {
+    /// Checks that results in `folder` replace nothing of the user's and, unless `force`, no results of another origin.
+    pub(crate) fn new(folder: PathBuf, origin: Origin, force: bool) -> Result<ResultPlace, Failure> {
+        store::check_places(std::slice::from_ref(&folder))?;
+        if !force {
+            origin.check(&folder)?;
+        }
+        Ok(ResultPlace { folder, origin, force })
+    }
+
+    /// Stores a summary, what `others` writes, and a page, published as `publish` does it: where they are, and the lines that
+    /// name them.
+    pub(crate) fn store(
+        &self,
+        summary: &Map<String, Value>,
+        others: impl FnOnce(&mut Files<'_>) -> Result<(), StoreError>,
+        page: String,
+        publish: fn(Draft) -> Result<PathBuf, StoreError>,
+    ) -> Result<(PathBuf, String), Failure> {
+        let stored = || -> Result<(PathBuf, String), StoreError> {
+            let draft = Draft::begin(&self.folder, self.origin.clone(), self.force)?;
+            let mut files = Files::new(&draft);
+            files.write(run_files::SUMMARY, json(summary)?)?;
+            others(&mut files)?;
+            files.write(run_files::REPORT, page.into_bytes())?;
+            let files = files.written()?;
+            let place = publish(draft)?;
+            let listing = listing(&place, &files);
+            Ok((place, listing))
+        };
+        stored().map_err(|error| Failure::unstored(&error))
+    }
 }
 
 /// Most keys that are named of results that are replaced.
@@ -112,57 +154,8 @@ pub(crate) fn fill<'a>(draft: &'a Draft, contents: &'a Contents<'a>) -> Result<V
     files.written()
 }
 
-/// Writes all files of a study into the draft and gives their names.
-pub(crate) fn fill_study(
-    draft: &Draft,
-    study: &StudyPage,
-    summary: &Map<String, Value>,
-) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft);
-    files.write(run_files::SUMMARY, json(summary)?)?;
-    files.script_output(study.output)?;
-    files.write(run_files::REPORT, report::study_page(study).into_bytes())?;
-    files.written()
-}
-
-/// Writes all files of tests into the draft and gives their names.
-pub(crate) fn fill_tests(
-    draft: &Draft,
-    verdicts: &[Verdict],
-    summary: &Map<String, Value>,
-) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft);
-    files.write(run_files::SUMMARY, json(summary)?)?;
-    files.write(run_files::REPORT, report::test_page(verdicts).into_bytes())?;
-    files.written()
-}
-
-/// Writes all files of a sweep into the draft and gives their names.
-pub(crate) fn fill_sweep(draft: &Draft, page: &SweepPage, scenario: &str) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft);
-    let columns = &page.results.table.columns;
-    let failed = |name: &'static str| move |error| StoreError::write(draft.path().join(name), error);
-    files.write(run_files::SUMMARY, json(page.summary)?)?;
-    files.write(run_files::SCENARIO, scenario.as_bytes().to_vec())?;
-    files.write(run_files::TABLE, table::to_csv(columns).map_err(failed(run_files::TABLE))?)?;
-    files.write(run_files::REPORT, report::sweep_page(page).into_bytes())?;
-    files.written()
-}
-
-/// Writes all files of a comparison into the draft and gives their names.
-pub(crate) fn fill_comparison(
-    draft: &Draft,
-    comparison: &RunComparison,
-    summary: &Map<String, Value>,
-    outside: Option<&[Outside]>,
-) -> Result<Vec<String>, StoreError> {
-    let mut files = Files::new(draft);
-    files.write(run_files::SUMMARY, json(summary)?)?;
-    files.write(run_files::REPORT, compare_page::compare_page(comparison, outside).into_bytes())?;
-    files.written()
-}
-
-struct Files<'a> {
+/// The files of a folder as they are written.
+pub(crate) struct Files<'a> {
     draft: &'a Draft,
     /// Of all files, those that are written later among them.
     names: Vec<String>,
@@ -188,7 +181,7 @@ impl<'a> Files<'a> {
         self.names.push(name.into());
     }
 
-    fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
+    pub(crate) fn write(&mut self, name: &str, content: Vec<u8>) -> Result<(), StoreError> {
         self.draft.write(name, content)?;
         self.names.push(name.into());
         Ok(())
@@ -232,7 +225,8 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
+    /// The tables and files of a script.
+    pub(crate) fn script_output(&mut self, output: &ScriptOutput) -> Result<(), StoreError> {
         for (name, rows) in &output.tables {
             let file = format!("{}/{name}.csv", run_files::TABLES);
             let content = rows_as_csv(rows).map_err(|error| StoreError::write(self.draft.path().join(&file), error))?;

@@ -41,9 +41,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use base::diagnostic::{self, Diagnostic};
+use base::finding::Finding;
 use base::removed;
 
 #[cfg(unix)]
@@ -151,28 +152,9 @@ enum Command {
     List(list::ListArgs),
 }
 
-/// The commands under their headings in the help; each stands in the order of [`Command`].
-const GROUPS: [(&str, &[&str]); 3] = [
-    (
-        "Jobs",
-        &[
-            "run",
-            "sweep",
-            "calibrate",
-            "script",
-            "check",
-            "new",
-            "explain",
-            "test",
-            "compare",
-            "watch",
-            "view",
-            "picture",
-        ],
-    ),
-    ("Recordings, materials, other solvers", &["reduce", "fit", "signal", "export", "import"]),
-    ("More", &["schema", "completions", "man", "store", "list"]),
-];
+/// The headings of the help, each with the first command below it.
+const HEADINGS: [(&str, &str); 3] =
+    [("Jobs", "run"), ("Recordings, materials, other solvers", "reduce"), ("More", "schema")];
 
 /// The command line: the options of every command stand once, in the top help, and the commands there by what they are for.
 fn command() -> clap::Command {
@@ -182,18 +164,15 @@ fn command() -> clap::Command {
     let command = command.mut_subcommands(|one| one.args(hidden.clone()));
     let header = *command.get_styles().get_header();
     let literal = *command.get_styles().get_literal();
-    let line = |name: &&str| {
-        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
-        let about = about.map(ToString::to_string).unwrap_or_default();
-        format!("  {literal}{name:<11}{literal:#}  {about}\n")
+    let line = |one: &clap::Command| {
+        let (name, about) = (one.get_name(), one.get_about().map(ToString::to_string).unwrap_or_default());
+        let heading = HEADINGS.iter().find(|(_, first)| *first == name);
+        let heading = heading.map(|(title, _)| format!("\n{header}{title}:{header:#}\n")).unwrap_or_default();
+        format!("{heading}  {literal}{name:<11}{literal:#}  {about}\n")
     };
-    let group = |(title, names): &(&str, &[&str])| {
-        let lines: String = names.iter().map(line).collect();
-        format!("{header}{title}:{header:#}\n{lines}\n")
-    };
-    let groups: String = GROUPS.iter().map(group).collect();
+    let lines: String = command.get_subcommands().map(line).collect();
     let template = format!(
-        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}{header}Options:{header:#}\n{{options}}"
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{lines}\n{header}Options:{header:#}\n{{options}}"
     );
     command.help_template(template)
 }
@@ -357,6 +336,19 @@ pub(crate) fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let _ = writeln!(io::stderr(), "{}", diagnostic::render(diagnostics, styled));
 }
 
+/// Prints a line on standard error, such as a note or the state of what runs.
+pub(crate) fn tell(line: &str) {
+    progress::end_of_work();
+    // With standard error closed, there is nowhere to print.
+    let _ = writeln!(io::stderr(), "{}", diagnostic::printable(line));
+}
+
+/// Prints an event as one line of JSON on standard error, for a program that follows.
+pub(crate) fn tell_event(event: &Value) {
+    // Whoever follows may have gone.
+    let _ = writeln!(io::stderr(), "{}", diagnostic::printable_json(&event.to_string()));
+}
+
 /// Prints a drawing in characters on standard error, above the diagnostics that it belongs to.
 pub(crate) fn print_drawing(drawing: &str) {
     progress::end_of_work();
@@ -367,11 +359,7 @@ pub(crate) fn print_drawing(drawing: &str) {
 /// Prints diagnostics on standard error for a program that reads them.
 pub(crate) fn print_records(diagnostics: &[Diagnostic]) {
     progress::end_of_work();
-    for diagnostic in diagnostics {
-        let record = serde_json::to_string(&diagnostic.record()).unwrap_or_default();
-        // With standard error closed, the exit status is left.
-        let _ = writeln!(io::stderr(), "{}", diagnostic::printable_json(&record));
-    }
+    diagnostics.iter().for_each(|diagnostic| tell_event(&json!(diagnostic.record())));
 }
 
 /// Set by the first print on standard output.
@@ -401,14 +389,15 @@ pub(crate) fn print_unless_quiet(shared: &Shared, text: &str) -> Result<(), Fail
 
 /// Prints figures as JSON on standard output.
 pub(crate) fn print_json(figures: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(figures);
-    let text = text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?;
-    print(&diagnostic::printable_json(&text))
+    print_as_json(serde_json::to_string_pretty(figures))
 }
 
 /// Prints an event as one line of JSON on standard output.
 pub(crate) fn print_line(event: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string(event);
+    print_as_json(serde_json::to_string(event))
+}
+
+fn print_as_json(text: serde_json::Result<String>) -> Result<(), Failure> {
     let text = text.map_err(|error| Failure::output(Diagnostic::new(format!("cannot print as JSON: {error}"))))?;
     print(&diagnostic::printable_json(&text))
 }
@@ -424,6 +413,20 @@ pub(crate) fn print_figures(
         (false, true) => Ok(()),
         (false, false) => print(text().trim_end()),
     }
+}
+
+/// Prints the figures of a command as [`print_figures`] does, with its findings and the files that it wrote behind them.
+pub(crate) fn print_results(
+    shared: &Shared,
+    mut figures: Value,
+    findings: &[Finding],
+    written: &[String],
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    figures["findings"] = json!(findings);
+    figures["written"] = json!(written);
+    let written = || written.iter().map(|file| format!("wrote {file}\n")).collect();
+    print_figures(shared, &figures, || [text(), terminal::findings("", findings), written()].concat())
 }
 
 #[cfg(test)]

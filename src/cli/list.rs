@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 
-use crate::{Failure, Shared, print, print_json, progress};
+use crate::{Failure, Shared, print, print_json, tell};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use scene::scenario::{Document, Value};
 use study::store::{self, run_files};
@@ -39,9 +39,7 @@ pub(crate) fn run(args: &ListArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(Diagnostic::new(format!("no scenarios in {}", shown_path(&args.folder))).into());
     }
     if !results.is_empty() && !shared.quiet {
-        progress::end_of_work();
-        // With standard error closed, there is nowhere to print.
-        let _ = writeln!(io::stderr(), "note: the scenarios of result folders are left out: {}", results.len());
+        tell(&format!("note: the scenarios of result folders are left out: {}", results.len()));
     }
     let width = listed.iter().map(|scenario| scenario.path.chars().count()).max().unwrap_or(0);
     let lines: Vec<String> = listed

@@ -2,14 +2,14 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::failure::Failure;
 use crate::shell::command_line;
 use base::diagnostic::shown_path;
 use base::periodic;
-use report::{PageTime, StudyCall, StudyProgress, StudyState};
+use report::{Counts, Pace, PageTime, StudyCall, StudyProgress, StudyState};
 use study::evaluate::{Evaluations, RunEvent};
 use study::identify::SearchEvent;
 use study::store::ProgressFolder;
@@ -128,7 +128,13 @@ impl LivePage {
         }
     }
 
-    fn elapsed(&self) -> f64 {
+    /// How many runs wait, run, are done or failed, and the pace of a sweep.
+    pub(super) fn runs(&self) -> (Counts, Option<Pace>) {
+        self.progress().runs(self.elapsed())
+    }
+
+    /// Time since the study began, s.
+    pub(super) fn elapsed(&self) -> f64 {
         self.0.began.elapsed().as_secs_f64()
     }
 
@@ -172,7 +178,7 @@ impl LivePage {
                     figures(*place, &evaluation);
                 }
             }
-            sweep::Event::Left(remaining) => self.change(|progress| progress.set_left(remaining.left)),
+            sweep::Event::Left(remaining) => self.change(|progress| progress.set_left(*remaining)),
             sweep::Event::Refused(..) => {}
         }
     }
@@ -243,12 +249,11 @@ impl LivePage {
     }
 
     fn progress(&self) -> MutexGuard<'_, StudyProgress> {
-        // Every change is complete before the next statement that may panic.
-        self.0.progress.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.0.progress)
     }
 
     fn written(&self) -> MutexGuard<'_, Written> {
-        self.0.written.lock().unwrap_or_else(PoisonError::into_inner)
+        base::lock(&self.0.written)
     }
 }
 

@@ -43,12 +43,17 @@ pub(super) fn check(out: &Path, ending: &str, input: Option<&Path>, force: Optio
     if input.and_then(|input| fs::canonicalize(input).ok()).is_some_and(|input| input == place) {
         return refused(format!("{shown} is the input"), "write to another file");
     }
-    if there.len() == 0 || force == Some(true) || is_sealed(&place, &there) {
+    if there.len() == 0 || force == Some(true) {
+        return Ok(());
+    }
+    // One that is too long or cannot be read has no seal.
+    let text = file::read_text(&place, LONGEST_SEALED).unwrap_or_default();
+    if has_seal(&text) {
         return Ok(());
     }
     let (why, hint) = match force {
         Some(_) => ("already exists", ", remove it first, or give --force"),
-        None if was_sealed(&place, &there) => ("was edited since droptower wrote it", ", or remove it first"),
+        None if text.contains(SEAL) => ("was edited since droptower wrote it", ", or remove it first"),
         None => ("already exists and was not written by droptower", ", or remove it first"),
     };
     refused(format!("{shown} {why} and is not replaced"), &format!("give another name{hint}"))
@@ -147,16 +152,7 @@ fn sealed(text: &str) -> String {
     format!("{text}{SEAL}{:08x}\n", file::checksum(text.as_bytes()))
 }
 
-/// Whether the file has a seal and is unchanged; one that cannot be read is not.
-fn is_sealed(place: &Path, there: &Metadata) -> bool {
-    there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| has_seal(&text))
-}
-
-/// Whether the file was sealed when it was written.
-fn was_sealed(place: &Path, there: &Metadata) -> bool {
-    there.len() < LONGEST_SEALED && file::read_text(place, LONGEST_SEALED).is_ok_and(|text| text.contains(SEAL))
-}
-
+/// Whether the text has a seal and is unchanged.
 fn has_seal(content: &str) -> bool {
     content.rfind(SEAL).is_some_and(|place| sealed(&content[..place]) == content)
 }

@@ -1,27 +1,28 @@
 //! How far runs and sweeps are: bars on a terminal, events for a program, the time that is left.
 
 use std::collections::VecDeque;
-use std::io::{self, Write};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
-use crate::Shared;
 use crate::folder::DIGITS;
-use base::diagnostic::{self, Diagnostic, printable, printable_json};
+use crate::live_page::LivePage;
+use crate::{Shared, tell, tell_event};
+use base::diagnostic::{self, Diagnostic};
 use base::finding::{Finding, Report};
 use base::number::{self, duration, figure, grouped, rounded, wall_time};
 use base::units::Time;
 use membrane::engine::Settling;
+use report::{Counts, Pace};
 use scene::mesh::Outline;
 use scene::model::{Model, Symmetry};
 use scene::simulate::{self, Progress, SpringStep};
-use study::sweep::{self, Event, RemainingWork};
+use study::sweep::Event;
 
 /// Steps of the bar for one run.
 const PER_RUN: f64 = 1000.0;
@@ -44,8 +45,7 @@ fn bar(steps: Option<u64>, template: &str, hidden: bool) -> ProgressBar {
 
 /// Prints a line above the bar.
 fn print_above(bar: &ProgressBar, text: &str) {
-    // With standard error closed, there is nowhere to print.
-    bar.suspend(|| drop(writeln!(io::stderr(), "{}", printable(text))));
+    bar.suspend(|| tell(text));
 }
 
 /// The end of the sign of work that is shown; it is closed to end it.
@@ -74,13 +74,13 @@ pub(crate) fn begin_work(quiet: bool) {
     };
     // Without a thread nothing is shown.
     if let Ok(thread) = thread::Builder::new().name("progress".into()).spawn(show) {
-        *WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some(Work { end, thread });
+        *base::lock(&WORK) = Some(Work { end, thread });
     }
 }
 
 /// Removes what [`begin_work`] shows: the command prints now.
 pub(crate) fn end_of_work() {
-    if let Some(Work { end, thread }) = WORK.lock().unwrap_or_else(PoisonError::into_inner).take() {
+    if let Some(Work { end, thread }) = base::lock(&WORK).take() {
         drop(end);
         let _ = thread.join();
     }
@@ -100,7 +100,7 @@ pub(crate) struct Bar {
 /// The last update of the bar, and what it knows of the pace.
 struct Drawn {
     at: Instant,
-    pace: Pace,
+    pace: RunPace,
 }
 
 impl Bar {
@@ -115,7 +115,7 @@ impl Bar {
             before: none(),
             quiet,
             start,
-            drawn: Mutex::new(Drawn { at: start, pace: Pace::default() }),
+            drawn: Mutex::new(Drawn { at: start, pace: RunPace::default() }),
         }
     }
 
@@ -209,7 +209,7 @@ fn state(progress: &Progress) -> String {
 
 /// The pace of the last part of the runs: a step in contact may cost many times one of the flight before it.
 #[derive(Default)]
-struct Pace {
+struct RunPace {
     /// Wall times and the shares done then, the oldest first.
     marks: VecDeque<(Duration, f64)>,
 }
@@ -217,7 +217,7 @@ struct Pace {
 /// Shortest time over which the pace is taken, and its share of the time so far.
 const PACE_OVER: (Duration, f64) = (Duration::from_secs(3), 0.25);
 
-impl Pace {
+impl RunPace {
     /// The remaining wall time (s) at `elapsed`, once enough is done for an estimate; the share done went from `before` to
     /// `share`.
     fn remaining(&mut self, elapsed: Duration, before: f64, share: f64) -> Option<f64> {
@@ -238,124 +238,70 @@ impl Pace {
 const EVERY: Duration = Duration::from_millis(500);
 
 /// One bar, or events, for the runs of a sweep.
-pub(crate) struct SweepBar {
+pub(crate) struct SweepBar<'p> {
     bar: ProgressBar,
     events: bool,
     quiet: bool,
     total: usize,
-    started: Instant,
+    /// What counts the runs.
+    page: &'p LivePage,
     state: Mutex<State>,
 }
 
-/// The work that was done so far.
+/// The runs that failed, and when the bar was last renewed.
 struct State {
-    cache_hits: usize,
-    computed: usize,
     failed: usize,
     refused: usize,
-    /// Runs that other processes have computed meanwhile.
-    elsewhere: usize,
-    /// Runs that were left, and how many were computed here by then; none where all that are not done are left.
-    left: Option<[usize; 2]>,
-    /// When the first run that is not taken from a record was begun.
-    began: Instant,
     reported: Instant,
 }
 
-impl State {
-    fn done(&self) -> usize {
-        self.cache_hits + self.computed + self.refused
-    }
-
-    /// Runs per second, here and elsewhere, and seconds to go, once enough is computed for both.
-    fn pace(&self, total: usize) -> Option<[f64; 2]> {
-        let elapsed = self.began.elapsed().as_secs_f64();
-        let computed = self.computed + self.elsewhere;
-        let open = total - self.done();
-        let left = match self.left {
-            Some([left, by_then]) => open.min(left.saturating_sub(self.computed - by_then)),
-            None => open,
-        };
-        let to_go = sweep::seconds_to_go(computed, elapsed, left as f64).filter(|_| self.computed > 0)?;
-        Some([computed as f64 / elapsed, to_go])
-    }
-}
-
-impl SweepBar {
-    /// Of a sweep of `total` runs.
-    pub(crate) fn new(total: usize, shared: &Shared) -> SweepBar {
+impl<'p> SweepBar<'p> {
+    /// Of a sweep of `total` runs that `page` counts.
+    pub(crate) fn new(total: usize, page: &'p LivePage, shared: &Shared) -> SweepBar<'p> {
         let bar = bar(Some(total as u64), "{wide_bar} {pos}/{len}  {msg}", shared.quiet || shared.json);
-        let now = Instant::now();
-        let state = State {
-            cache_hits: 0,
-            computed: 0,
-            failed: 0,
-            refused: 0,
-            elsewhere: 0,
-            left: None,
-            began: now,
-            reported: now,
-        };
-        SweepBar { bar, events: shared.json, quiet: shared.quiet, total, started: now, state: Mutex::new(state) }
+        let state = State { failed: 0, refused: 0, reported: Instant::now() };
+        SweepBar { bar, events: shared.json, quiet: shared.quiet, total, page, state: Mutex::new(state) }
     }
 
     /// Shows what became of a run.
     pub(crate) fn show(&self, event: &Event<'_>) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = base::lock(&self.state);
         match event {
-            Event::Taken(..) => {
-                state.cache_hits += 1;
-                if state.computed == 0 {
-                    state.began = Instant::now();
-                }
-            }
-            Event::Computed(_, evaluation) => {
-                state.computed += 1;
-                state.failed += usize::from(evaluation.failure.is_some());
-            }
-            Event::Left(RemainingWork { left, elsewhere }) => {
-                state.left = Some([*left, state.computed]);
-                state.elsewhere = *elsewhere;
-            }
+            Event::Computed(_, evaluation) => state.failed += usize::from(evaluation.failure.is_some()),
             Event::Refused(_, cause) => {
                 state.refused += 1;
                 if state.refused == 1 && !self.quiet && !self.events {
                     print_above(&self.bar, &format!("warning: a run has no result: {cause}"));
                 }
             }
+            Event::Taken(..) | Event::Left(_) => {}
         }
-        let is_last = state.done() == self.total;
-        if state.reported.elapsed() >= EVERY || is_last {
+        let (counts, pace) = self.page.runs();
+        if state.reported.elapsed() >= EVERY || counts.done + counts.failed == self.total {
             state.reported = Instant::now();
-            self.report(&state);
+            self.report(counts, pace, state.failed + state.refused);
         }
     }
 
-    fn report(&self, state: &State) {
-        let pace = state.pace(self.total);
+    fn report(&self, counts: Counts, pace: Option<Pace>, failed: usize) {
+        let done = counts.done + counts.failed;
         if self.events && !self.quiet {
             let event = json!({
                 "event": "progress",
-                "done": state.done(),
+                "done": done,
                 "of": self.total,
-                "reused": state.cache_hits,
-                "failed": state.failed + state.refused,
-                "elapsed_s": self.started.elapsed().as_secs_f64(),
-                "runs_per_s": pace.map(|[rate, _]| rate),
-                "to_go_s": pace.map(|[_, to_go]| to_go),
+                "reused": counts.known,
+                "failed": failed,
+                "elapsed_s": self.page.elapsed(),
+                "runs_per_s": pace.map(|pace| pace.rate),
+                "to_go_s": pace.map(|pace| pace.to_go),
             });
-            // Whoever follows may have gone.
-            let _ = writeln!(io::stderr(), "{}", printable_json(&event.to_string()));
+            tell_event(&event);
         }
-        self.bar.set_position(state.done() as u64);
-        let failed = match state.failed + state.refused {
-            0 => String::new(),
-            failed => format!("  {failed} failed"),
-        };
-        self.bar.set_message(match pace {
-            Some([rate, to_go]) => format!("{} runs/s  {} to go{failed}", figure(rate, 2), wall_time(to_go)),
-            None => failed,
-        });
+        self.bar.set_position(done as u64);
+        let pace = pace.map(|Pace { rate, to_go }| format!("{} runs/s  {} to go", figure(rate, 2), wall_time(to_go)));
+        let failed = if failed > 0 { format!("  {failed} failed") } else { String::new() };
+        self.bar.set_message(pace.unwrap_or_default() + failed.as_str());
     }
 
     /// Removes the bar.
@@ -480,7 +426,8 @@ mod tests {
 
     #[test]
     fn the_remaining_time_waits_for_enough_progress() {
-        let after = |millis, share| Pace::default().remaining(Duration::from_millis(millis), 0.0, share).map(wall_time);
+        let after =
+            |millis, share| RunPace::default().remaining(Duration::from_millis(millis), 0.0, share).map(wall_time);
         assert_eq!(after(100, 0.0), None);
         assert_eq!(after(100, 0.01), None);
         assert_eq!(after(900, 0.0), None);
@@ -499,7 +446,8 @@ mod tests {
 
     #[test]
     fn the_remaining_time_of_a_resumed_run_counts_from_there() {
-        let after = |millis, share| Pace::default().remaining(Duration::from_millis(millis), 0.5, share).map(wall_time);
+        let after =
+            |millis, share| RunPace::default().remaining(Duration::from_millis(millis), 0.5, share).map(wall_time);
         assert_eq!(after(100, 0.501), None);
         assert_eq!(after(10_000, 0.75).as_deref(), Some("10 s"));
     }
@@ -507,7 +455,7 @@ mod tests {
     /// Half of a run in 10 s, then a tenth of that pace: 100 s to go, where the mean would give 10 s, then more and more.
     #[test]
     fn the_remaining_time_follows_a_pace_that_falls() {
-        let mut pace = Pace::default();
+        let mut pace = RunPace::default();
         let mut shown = Vec::new();
         for tenths in 1..1090_u32 {
             let time = 0.1 * f64::from(tenths);

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::prelude::*;
 use serde_json::Value;
 
+use crate::args::{Choice, ViewerArgs, choice};
 use crate::checkpoint::{self, CheckpointPolicy, CheckpointWriter};
 use crate::failure::{all, both, evaluating, hinted};
-use crate::folder::{self, Contents};
-use crate::live::{self, Show, Viewer};
+use crate::folder::{self, Contents, ResultArgs};
+use crate::live::{Show, Viewer};
 use crate::progress::{Bar, Forecast};
 use crate::scenarios::{Checked, Selection};
 use crate::{Failure, Shared, farm, print_json, print_unless_quiet};
@@ -29,12 +30,8 @@ use study::store::{self, Draft, Origin, run_files};
 pub(super) struct RunArgs {
     #[command(flatten)]
     pub selection: Selection,
-    /// Folder for the results, in place of runs/<name of the scenario>
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace results of another scenario or script in the same folder
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// Write a checkpoint after every such simulated time ("5 ms"), from which --resume continues an interrupted run
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub checkpoint_every: Option<String>,
@@ -42,51 +39,33 @@ pub(super) struct RunArgs {
     /// as it is; of several begun scenarios, those without a checkpoint start from their beginning
     #[arg(long)]
     pub resume: bool,
-    /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
-    #[arg(
-        long,
-        value_name = "URL",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
-    )]
-    pub live: Option<String>,
+    #[command(flatten)]
+    pub viewer: ViewerArgs,
     /// Vector instructions of the kernels; left out, the widest that the processor has. Results are the same to the bit
-    #[arg(long, value_name = "WIDTH")]
-    pub width: Option<WidthChoice>,
+    #[arg(long, value_name = "WIDTH", value_parser = choice(&WIDTHS))]
+    pub width: Option<Width>,
     /// Also write the snapshots for ParaView: film.pvd, impactor.pvd, frame.pvd (the bars) and springs.pvd, with strain, stress and thickness
     #[arg(long)]
     pub vtu: bool,
 }
 
-/// Vector instructions that a run may have.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum WidthChoice {
-    /// Those that every processor of the platform has
-    Baseline,
-    /// 256 bits
-    Avx2,
-    /// 512 bits
-    Avx512,
-}
+/// Vector instructions that a run may have, by word.
+const WIDTHS: [Choice<Width>; 3] = [
+    ("baseline", "Those that every processor of the platform has", Width::Baseline),
+    ("avx2", "256 bits", Width::Avx2),
+    ("avx512", "512 bits", Width::Avx512),
+];
 
-impl WidthChoice {
-    /// These instructions.
-    ///
-    /// # Errors
-    /// The processor does not have them.
-    fn width(self) -> Result<Width, Diagnostic> {
-        let (width, name) = match self {
-            WidthChoice::Baseline => (Width::Baseline, "baseline instructions"),
-            WidthChoice::Avx2 => (Width::Avx2, "AVX2"),
-            WidthChoice::Avx512 => (Width::Avx512, "AVX-512"),
-        };
-        if width.supported() == width {
-            return Ok(width);
-        }
-        let mistake = Diagnostic::new(format!("this processor does not have {name}"));
-        Err(mistake.hint("leave `--width` out for the widest instructions that it has"))
-    }
+/// Refuses instructions that the processor does not have.
+fn check_width(width: Width) -> Result<Width, Diagnostic> {
+    let name = match width {
+        _ if width.supported() == width => return Ok(width),
+        Width::Baseline => "baseline instructions",
+        Width::Avx2 => "AVX2",
+        Width::Avx512 => "AVX-512",
+    };
+    let mistake = Diagnostic::new(format!("this processor does not have {name}"));
+    Err(mistake.hint("leave `--width` out for the widest instructions that it has"))
 }
 
 /// A scenario and the folder of its results, checked before the first run starts.
@@ -116,15 +95,15 @@ pub(super) struct Done {
 }
 
 pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
-    let apart = args.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
+    let apart =
+        args.viewer.live.as_ref().and_then(|_| args.selection.scenarios.iter().find(|given| given.contains("://")));
     if let Some(address) = apart {
         let mistake = Diagnostic::new(format!("{} is an address, not a scenario", printable(address)));
         let hint = format!("write the address without a space: --live={}", printable(address));
         return Err(mistake.hint(hint).into());
     }
-    let viewer = args.live.as_deref().map(live::viewer).transpose();
     let stop = Cancellation::default();
-    let (viewer, Batch { jobs, complete }) = both(viewer, batch(args, &stop))?;
+    let (viewer, Batch { jobs, complete }) = both(args.viewer.viewer(), batch(args, &stop))?;
     farm::cancel_on_interrupt(stop)?;
     let bar = Bar::new(jobs.len(), shared.quiet);
     complete.iter().for_each(|left| bar.report(&left.warning));
@@ -191,14 +170,15 @@ struct Complete {
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
 fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
-    let width = args.width.map(WidthChoice::width).transpose();
+    let width = args.width.map(check_width).transpose();
     let ((every, width), scenarios) = both(both(every, width), args.selection.checked())?;
     let several = scenarios.len() > 1;
-    let places = scenarios.iter().map(|checked| place(args.out.as_deref(), &checked.model.name, several));
+    let ResultArgs { out, force } = &args.results;
+    let places = scenarios.iter().map(|checked| place(out.as_deref(), &checked.model.name, several));
     let places: Vec<PathBuf> = places.collect::<Result<_, _>>()?;
     store::check_places(&places)?;
     let origin = |(checked, place): (&Checked, &PathBuf)| Origin::of_run(checked.document.path()).check(place);
-    all(scenarios.iter().zip(&places).filter(|_| !args.force).map(origin))?;
+    all(scenarios.iter().zip(&places).filter(|_| !force).map(origin))?;
     // An interrupted batch leaves complete runs, runs with checkpoints, and runs that had not started.
     let (mut complete, mut rest) = (vec![], vec![]);
     for (checked, place) in scenarios.into_iter().zip(places) {
@@ -216,8 +196,7 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let job = |(checked, place): (Checked, PathBuf)| -> Result<Job, Diagnostic> {
         let writer = CheckpointWriter::new(policy, &checked, &place)?;
-        let (vtu, force, cancellation) = (args.vtu, args.force, stop.clone());
-        Ok(Job { checked, place, writer, vtu, force, width, cancellation })
+        Ok(Job { checked, place, writer, vtu: args.vtu, force: *force, width, cancellation: stop.clone() })
     };
     let mut jobs = all(rest.into_iter().map(job))?;
     let every = jobs.iter().find_map(|job| job.writer.as_ref()?.every());

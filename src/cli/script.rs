@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,11 +12,12 @@ use serde_json::{Map, Value, json};
 
 use crate::args::{Changes, Given};
 use crate::failure::{ExitStatus, both, reading, refuse, script};
-use crate::farm::{self, Ends, ShardArgs};
+use crate::farm::{self, Ends, StudyArgs};
+use crate::folder::{self, ResultPlace};
 use crate::live_page::LivePage;
 use crate::shipped::{self, Named};
-use crate::{Failure, Shared, folder, print_figures, shell, terminal};
-use base::diagnostic::{Diagnostic, printable, shown_path};
+use crate::{Failure, Shared, print_figures, shell, terminal};
+use base::diagnostic::{Diagnostic, shown_path};
 use base::file;
 use base::finding::Finding;
 use base::units::with_decimal_point;
@@ -32,7 +32,7 @@ use study::script::{
     to_json,
 };
 use study::store::evaluations::Share;
-use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, StoreError, run_files};
+use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, run_files};
 use study::{functions, sweep};
 
 #[derive(Debug, Args)]
@@ -52,20 +52,11 @@ pub(crate) struct ScriptArgs {
     pub check: bool,
     #[command(flatten)]
     pub given: Given,
-    /// Folder for the results, in place of runs/<name of the script>
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace results of another scenario or script in the same folder
-    #[arg(long)]
-    pub force: bool,
     #[command(flatten)]
-    pub farm: ShardArgs,
-    /// Folder of the evaluations that are never computed twice
-    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
-    pub store: PathBuf,
+    pub study: StudyArgs,
     /// The file of a calibration, which stands in the place of the script
     #[arg(skip)]
-    pub study: Option<Arc<StudyFile>>,
+    pub file: Option<Arc<StudyFile>>,
 }
 
 /// Names that belong to a study's summary.
@@ -96,8 +87,8 @@ impl ScriptArgs {
     /// A fault of the script, in a study at its place there.
     fn fault(&self, fault: &Fault) -> Diagnostic {
         let own = script(fault);
-        match self.study.as_ref().filter(|_| fault.file == self.path()) {
-            Some(study) => Diagnostic { span: None, ..own }.at(&study.place()),
+        match self.file.as_ref().filter(|_| fault.file == self.path()) {
+            Some(file) => Diagnostic { span: None, ..own }.at(&file.place()),
             None => own,
         }
     }
@@ -111,7 +102,7 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.list {
         return shipped::list(shared);
     }
-    if args.study.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
+    if args.file.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is no script", shown_path(args.path())));
         let path = shown_path(args.path());
         let hint = format!("`droptower run {path}` runs a scenario, `droptower calibrate {path}` a study");
@@ -119,181 +110,194 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let origin = Origin::of_script(args.path(), args.given.scenario.as_deref().map(Path::new));
-    let place = folder::place(args.out.as_deref(), &name, args.force, &origin)?;
-    let (share, deadline) = both(args.farm.share(), args.farm.deadline(begin))?;
+    let place = args.study.results.place(&name, origin)?;
+    let (share, deadline) = both(args.study.share(), args.study.deadline(begin))?;
     if args.check {
-        return check(args, &place, shared);
+        return check(args, &place.folder, shared);
     }
-    let page = LivePage::new(&name, ProgressFolder::new(&place, share), {
+    let page = LivePage::new(&name, ProgressFolder::new(&place.folder, share), {
         let quiet = shared.quiet;
         move |line| tell(&format!("note: {line}"), quiet)
     });
-    let runs = page.clone();
-    let evaluations = Evaluations::new(&args.store).with_share(share);
-    let evaluations = Arc::new(evaluations.with_observer(move |event| runs.note_run(&event)));
-    let stored = || -> Result<Option<(ScriptRun, Vec<String>)>, Failure> {
-        let (run, is_stopped) = run_script(args, name, &place, (&evaluations, deadline), (&page, shared.quiet))?;
-        if is_stopped {
-            return unfinished(&run, args, &evaluations, &page, shared).map(|()| None);
-        }
-        if share != Share::WHOLE {
-            if let Some(failure) = run.failure {
-                return Err(failure);
-            }
-            page.discard();
-            return part(args, &evaluations, shared).map(|()| None);
-        }
-        let (files, stored) = store_results(&run, args, &place, origin).map_err(|error| Failure::unstored(&error))?;
-        if let Some(Failure { diagnostics, .. }) = &run.failure {
-            tell(&format!("note: {} has what was found before", shown_path(&stored)), shared.quiet);
-            return Err(Failure { status: ExitStatus::OutputFailed, diagnostics: diagnostics.clone(), drawing: None });
-        }
-        page.ended(&run.name);
-        Ok(Some((run, files)))
-    };
-    let stored = stored().inspect_err(|failure| page.failed(failure))?;
-    let Some((run, files)) = stored else { return Ok(()) };
-    print_figures(shared, &summary(&run), || {
-        let ScriptRun { name, output, .. } = &run;
-        format!("{name}\n{}{}", terminal::script_output(output), folder::listing(&place, &files))
-    })
+    let evaluations = Arc::new(args.study.evaluations(share, &page));
+    let study = Study { args, shared, name, place, page, evaluations, deadline };
+    study.complete().inspect_err(|failure| study.page.failed(failure))
 }
 
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let changes = args.given.changes.assignments()?;
-    if let Some(study) = &args.study {
-        study.check(&Scenarios { changes, evaluations: None })?;
+    if let Some(file) = &args.file {
+        file.check(&Scenarios { changes, evaluations: None })?;
     } else {
-        let engine = engine(changes, &Arc::new(Evaluations::new(&args.store)), &host, &collector, None);
+        let engine = engine(changes, &Arc::new(Evaluations::new(&args.study.store)), &host, &collector, None);
         compiled(args, &engine, place)?;
     }
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
     print_figures(shared, &figures, || format!("{}: no mistakes", shown_path(args.path())))
 }
 
-/// The answer of a process that computed a part of a study.
-fn part(args: &ScriptArgs, evaluations: &Evaluations, shared: &Shared) -> Result<(), Failure> {
-    let [cache_hits, computed] = evaluations.counts();
-    let figures = json!({ "script": shown_path(args.path()), "reused": cache_hits, "computed": computed });
-    print_figures(shared, &figures, || format!("{}: {computed} runs computed here", shown_path(args.path())))
-}
-
-/// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
-/// and leaves what it knows.
-fn unfinished(
-    run: &ScriptRun,
-    args: &ScriptArgs,
-    evaluations: &Evaluations,
-    page: &LivePage,
-    shared: &Shared,
-) -> Result<(), Failure> {
-    if evaluations.share() != Share::WHOLE {
-        page.stopped();
-        return part(args, evaluations, shared);
-    }
-    let mut summary_so_far = Map::from_iter([("stopped".to_owned(), Value::Bool(true))]);
-    summary_so_far.extend(page.summary());
-    summary_so_far.extend(summary(run));
-    let folder = page.folder();
-    let written = folder::json(&summary_so_far).and_then(|text| folder.write(STOPPED, &text));
-    page.stopped();
-    written.map_err(|error| Failure::unstored(&error))?;
-    let mistake = Diagnostic::new(format!("{} was stopped before its end", shown_path(args.path())));
-    let hint = "its runs are kept, and the same command goes on from there";
-    Err(Failure::output(mistake.hint(format!("{hint}; {} has the best so far", shown_path(folder.path())))))
-}
-
-/// Prints a line on standard error, unless `quiet`.
+/// Prints a line on standard error, unless `quiet`; the report has every message of a script.
 fn tell(line: &str, quiet: bool) {
     if !quiet {
-        // The report has every message, so one that cannot be printed is dropped.
-        let _ = writeln!(io::stderr(), "{}", printable(line));
+        crate::tell(line);
     }
 }
 
 /// Words of scripts that compute runs, which have a page from their beginning; others from their first run on.
 const RUNNING: [&str; 5] = ["simulate", "minimize", "sweep", "threshold", "calibrate"];
 
-/// Runs the script, whose results go to `place`; its messages are printed at once. With it, whether it was stopped.
-fn run_script(
-    args: &ScriptArgs,
+/// A script that is called: where its records and results go, and what shows how far it is.
+struct Study<'a> {
+    args: &'a ScriptArgs,
+    shared: &'a Shared,
     name: String,
-    place: &Path,
-    (evaluations, deadline): (&Arc<Evaluations>, Option<Instant>),
-    (page, quiet): (&LivePage, bool),
-) -> Result<(ScriptRun, bool), Failure> {
-    let print_line = move |line: &str| tell(line, quiet);
-    let collector = OutputCollector::new(RESERVED.map(String::from).into());
-    let messages = page.clone();
-    let collector = collector.with_listener(move |message| {
-        let message = message.to_string();
-        print_line(&message);
-        messages.note_message(&message);
-    });
-    let (searches, shown) = (collector.clone(), page.clone());
-    let host = SearchHost::new(move |event| {
-        shown.note_search(&event);
-        match event {
-            SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
-            SearchEvent::Followed(text) => print_line(text),
-            SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
-            SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
-            SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
+    place: ResultPlace,
+    page: LivePage,
+    evaluations: Arc<Evaluations>,
+    deadline: Option<Instant>,
+}
+
+impl Study<'_> {
+    /// Runs the script, stores its results and prints them.
+    fn complete(&self) -> Result<(), Failure> {
+        let (run, is_stopped) = self.run()?;
+        if is_stopped {
+            return self.unfinished(&run);
         }
-    });
-    let study = args.study.as_ref();
-    let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, study);
-    let Compiled { program, scope, call } = compiled(args, &engine, place)?;
-    let replaced = replaced(place, &call).filter(|_| !args.force && evaluations.share() == Share::WHOLE);
-    replaced.iter().for_each(|note| print_line(&format!("note: {note}")));
-    let stopped = |fault: Fault| match fault.numerical {
-        true => Failure::numerical(args.fault(&fault)),
-        false if fault.may_pass => Failure::output(args.fault(&fault)),
-        false => Failure::from(args.fault(&fault)),
-    };
-    let session = Session::of_engine(&engine);
-    let (stop, given_up) = (session.stop().clone(), session.cancellation().clone());
-    stop_beyond(&mut engine, Limits::STUDY, &given_up);
-    let ends = || Ends { stop: stop.clone(), given_up: given_up.clone() };
-    let told = page.clone();
-    farm::end_on_signals(ends(), move || {
-        tell("note: stops once what runs has ended; Ctrl-C again gives it up", quiet);
-        told.stopping();
-    })?;
-    let text = program.whole_text();
-    if RUNNING.iter().any(|word| text.contains(word)) {
-        page.begin();
+        if self.evaluations.share() != Share::WHOLE {
+            if let Some(failure) = run.failure {
+                return Err(failure);
+            }
+            self.page.discard();
+            return self.part();
+        }
+        let (stored, files) = self.store(&run)?;
+        if let Some(Failure { diagnostics, .. }) = &run.failure {
+            tell(&format!("note: {} has what was found before", shown_path(&stored)), self.shared.quiet);
+            return Err(Failure { status: ExitStatus::OutputFailed, diagnostics: diagnostics.clone(), drawing: None });
+        }
+        self.page.ended(&run.name);
+        print_figures(self.shared, &summary(&run), || {
+            format!("{}\n{}{files}", run.name, terminal::script_output(&run.output))
+        })
     }
-    let run = || page.during(|| program.run(&engine, scope));
-    let ran = farm::watched(evaluations, &given_up, deadline, run);
-    let (is_stopped, failure) = match ran {
-        Err(_) if ends().is_over() => (true, None),
-        Err(fault) if collector.output().tables.is_empty() => return Err(stopped(fault)),
-        Err(fault) => (false, Some(stopped(fault))),
-        Ok(_) => (false, None),
-    };
-    let [cache_hits, computed] = evaluations.counts();
-    if cache_hits > 0 {
-        let all = cache_hits + computed;
-        print_line(&format!("note: {cache_hits} of {all} runs were computed before ({})", shown_path(&args.store)));
+
+    /// The answer of a process that computed a part of a study.
+    fn part(&self) -> Result<(), Failure> {
+        let [cache_hits, computed] = self.evaluations.counts();
+        let script = shown_path(self.args.path());
+        let figures = json!({ "script": script, "reused": cache_hits, "computed": computed });
+        print_figures(self.shared, &figures, || format!("{script}: {computed} runs computed here"))
     }
-    let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
-    let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
-    if let Some(finding) = &virtual_recordings {
-        print_line(&Message::Finding(finding).to_string());
+
+    /// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
+    /// and leaves what it knows.
+    fn unfinished(&self, run: &ScriptRun) -> Result<(), Failure> {
+        if self.evaluations.share() != Share::WHOLE {
+            self.page.stopped();
+            return self.part();
+        }
+        let mut summary_so_far = Map::from_iter([("stopped".to_owned(), Value::Bool(true))]);
+        summary_so_far.extend(self.page.summary());
+        summary_so_far.extend(summary(run));
+        let folder = self.page.folder();
+        let written = folder::json(&summary_so_far).and_then(|text| folder.write(STOPPED, &text));
+        self.page.stopped();
+        written.map_err(|error| Failure::unstored(&error))?;
+        let mistake = Diagnostic::new(format!("{} was stopped before its end", shown_path(self.args.path())));
+        let hint = "its runs are kept, and the same command goes on from there";
+        Err(Failure::output(mistake.hint(format!("{hint}; {} has the best so far", shown_path(folder.path())))))
     }
-    let mut output = collector.output();
-    let of_runs = terminal::findings_of_runs(&Session::of_engine(&engine).run_findings(), &output.findings);
-    terminal::findings_of_run("", &of_runs).lines().for_each(print_line);
-    output.findings.splice(..0, virtual_recordings.clone());
-    output.findings.extend(of_runs);
-    if let Some(failure) = &failure {
-        let cause = failure.diagnostics.first().map_or_else(String::new, |own| own.message.clone());
-        output.findings.insert(0, Finding::new(&Warning::EndedEarly { cause }));
+
+    /// Runs the script; its messages are printed at once. With it, whether it was stopped.
+    fn run(&self) -> Result<(ScriptRun, bool), Failure> {
+        let Study { args, place, page, evaluations, .. } = self;
+        let quiet = self.shared.quiet;
+        let print_line = move |line: &str| tell(line, quiet);
+        let collector = OutputCollector::new(RESERVED.map(String::from).into());
+        let messages = page.clone();
+        let collector = collector.with_listener(move |message| {
+            let message = message.to_string();
+            print_line(&message);
+            messages.note_message(&message);
+        });
+        let (searches, shown) = (collector.clone(), page.clone());
+        let host = SearchHost::new(move |event| {
+            shown.note_search(&event);
+            match event {
+                SearchEvent::Progress(_, progress) => print_line(&progress.to_string()),
+                SearchEvent::Followed(text) => print_line(text),
+                SearchEvent::Finished(convergence) => searches.add_search(convergence.clone()),
+                SearchEvent::Correlation(correlation) => searches.add_correlation(correlation.clone()),
+                SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
+            }
+        });
+        let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, args.file.as_ref());
+        let Compiled { program, scope, call } = compiled(args, &engine, &place.folder)?;
+        let replaced = replaced(&place.folder, &call).filter(|_| !place.force && evaluations.share() == Share::WHOLE);
+        replaced.iter().for_each(|note| print_line(&format!("note: {note}")));
+        let stopped = |fault: Fault| match fault.numerical {
+            true => Failure::numerical(args.fault(&fault)),
+            false if fault.may_pass => Failure::output(args.fault(&fault)),
+            false => Failure::from(args.fault(&fault)),
+        };
+        let session = Session::of_engine(&engine);
+        let (stop, given_up) = (session.stop().clone(), session.cancellation().clone());
+        stop_beyond(&mut engine, Limits::STUDY, &given_up);
+        let ends = || Ends { stop: stop.clone(), given_up: given_up.clone() };
+        let told = page.clone();
+        farm::end_on_signals(ends(), move || {
+            tell("note: stops once what runs has ended; Ctrl-C again gives it up", quiet);
+            told.stopping();
+        })?;
+        let text = program.whole_text();
+        if RUNNING.iter().any(|word| text.contains(word)) {
+            page.begin();
+        }
+        let run = || page.during(|| program.run(&engine, scope));
+        let ran = farm::watched(evaluations, &given_up, self.deadline, run);
+        let (is_stopped, failure) = match ran {
+            Err(_) if ends().is_over() => (true, None),
+            Err(fault) if collector.output().tables.is_empty() => return Err(stopped(fault)),
+            Err(fault) => (false, Some(stopped(fault))),
+            Ok(_) => (false, None),
+        };
+        let [cache_hits, computed] = evaluations.counts();
+        if cache_hits > 0 {
+            let all = cache_hits + computed;
+            print_line(&format!(
+                "note: {cache_hits} of {all} runs were computed before ({})",
+                shown_path(&args.study.store)
+            ));
+        }
+        let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
+        let virtual_recordings = virtual_recordings.map(|warning| Finding::new(&warning));
+        if let Some(finding) = &virtual_recordings {
+            print_line(&Message::Finding(finding).to_string());
+        }
+        let mut output = collector.output();
+        let of_runs = terminal::findings_of_runs(&Session::of_engine(&engine).run_findings(), &output.findings);
+        terminal::findings_of_run("", &of_runs).lines().for_each(print_line);
+        output.findings.splice(..0, virtual_recordings.clone());
+        output.findings.extend(of_runs);
+        if let Some(failure) = &failure {
+            let cause = failure.diagnostics.first().map_or_else(String::new, |own| own.message.clone());
+            output.findings.insert(0, Finding::new(&Warning::EndedEarly { cause }));
+        }
+        Ok((ScriptRun { name: self.name.clone(), call, program, output, virtual_recordings, failure }, is_stopped))
     }
-    Ok((ScriptRun { name, call, program, output, virtual_recordings, failure }, is_stopped))
+
+    /// Writes the results; those of a script that ended before its end go to a folder of their own. Where they are, and their files.
+    fn store(&self, run: &ScriptRun) -> Result<(PathBuf, String), Failure> {
+        let ScriptRun { name, call, program, output, .. } = run;
+        let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
+        let script = self.args.file.as_ref().map_or_else(|| program.text(), |file| &file.source.text);
+        let page = report::study_page(&StudyPage { name, call, output, script, modules: &modules });
+        let publish = if run.failure.is_some() { Draft::publish_failed } else { Draft::publish };
+        self.place.store(&summary(run), |files| files.script_output(output), page, publish)
+    }
 }
 
 /// The interpreter with all functions of studies, whose scenarios have these changes.
@@ -332,7 +336,7 @@ fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled
     // The arguments are checked against what the script declares, so its text comes first.
     scope.push_constant("args", Arguments::default());
     let of_study = || Named { path: args.path().to_owned(), text: Some(Cow::Borrowed(StudyFile::SCRIPT)) };
-    let program = match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |_| Ok(of_study()))? {
+    let program = match args.file.as_ref().map_or_else(|| shipped::named(args.path()), |_| Ok(of_study()))? {
         Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
             .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
         Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
@@ -439,26 +443,6 @@ fn summary(run: &ScriptRun) -> Map<String, Value> {
     summary
 }
 
-/// Writes the results; those of a script that ended before its end go to a folder of their own. Their files, and where they are.
-fn store_results(
-    run: &ScriptRun,
-    args: &ScriptArgs,
-    place: &Path,
-    origin: Origin,
-) -> Result<(Vec<String>, PathBuf), StoreError> {
-    let ScriptRun { name, call, program, output, .. } = run;
-    let draft = Draft::begin(place, origin, args.force)?;
-    let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
-    let text = args.study.as_ref().map_or_else(|| program.text(), |study| &study.source.text);
-    let page = StudyPage { name, call, output, script: text, modules: &modules };
-    let files = folder::fill_study(&draft, &page, &summary(run))?;
-    let place = match run.failure {
-        Some(_) => draft.publish_failed()?,
-        None => draft.publish().map(|_| place.to_owned())?,
-    };
-    Ok((files, place))
-}
-
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CalibrateArgs {
     /// The study: tests, parameters, predictions (`droptower new study study.toml`)
@@ -469,26 +453,15 @@ pub(crate) struct CalibrateArgs {
     /// Find mistakes in the study without running it
     #[arg(long)]
     check: bool,
-    /// Folder for the results, in place of runs/<name of the study>
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace results of another study in the same folder
-    #[arg(long)]
-    force: bool,
     #[command(flatten)]
-    farm: ShardArgs,
-    /// Folder of the evaluations that are never computed twice
-    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
-    store: PathBuf,
+    study: StudyArgs,
 }
 
 pub(crate) fn calibrate(args: &CalibrateArgs, shared: &Shared) -> Result<(), Failure> {
-    let study = Some(Arc::new(StudyFile::read(&args.path)?));
-    let CalibrateArgs { path, changes, check, out, force, farm, store } = args.clone();
+    let file = Some(Arc::new(StudyFile::read(&args.path)?));
+    let CalibrateArgs { path, changes, check, study } = args.clone();
     let given = Given { scenario: None, arg: Vec::new(), changes };
-    let script =
-        ScriptArgs { path: Some(path), help: false, list: false, check, given, out, force, farm, store, study };
-    run(&script, shared)
+    run(&ScriptArgs { path: Some(path), help: false, list: false, check, given, study, file }, shared)
 }
 
 #[cfg(test)]

@@ -4,10 +4,12 @@ use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::{fs, io};
 
-use clap::{Args, Command, ValueEnum};
+use clap::{Args, Command};
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter};
 use clap_complete::env::{CompleteEnv, Shells};
+use serde_json::Value as Json;
 
+use crate::args::{Choice, choice};
 use crate::{Failure, print, print_json};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::shell::quoted;
@@ -130,31 +132,20 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), Failure> {
 #[derive(Debug, Args)]
 pub(crate) struct SchemaArgs {
     /// The kind of file
-    #[arg(value_enum, default_value_t)]
-    kind: Kind,
+    #[arg(value_parser = choice(&SCHEMAS), default_value = "scenario")]
+    kind: fn() -> Json,
 }
 
-/// Kinds of files.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum Kind {
-    /// Scenarios
-    #[default]
-    Scenario,
-    /// Material files of one layer
-    Material,
-    /// `expect.toml`: what a run must give
-    Expect,
-    /// Studies: calibrations of several tests
-    Study,
-}
+/// The schemas by kind of file.
+const SCHEMAS: [Choice<fn() -> Json>; 4] = [
+    ("scenario", "Scenarios", || FileKind::Scenario.schema()),
+    ("material", "Material files of one layer", || FileKind::Material.schema()),
+    ("expect", "`expect.toml`: what a run must give", || FileKind::Expectations.schema()),
+    ("study", "Studies: calibrations of several tests", calibrate::schema),
+];
 
 pub(crate) fn schema(args: &SchemaArgs) -> Result<(), Failure> {
-    print_json(&match args.kind {
-        Kind::Scenario => FileKind::Scenario.schema(),
-        Kind::Material => FileKind::Material.schema(),
-        Kind::Expect => FileKind::Expectations.schema(),
-        Kind::Study => calibrate::schema(),
-    })
+    print_json(&(args.kind)())
 }
 
 /// The command as it was given, in words that a shell takes again.

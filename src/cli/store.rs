@@ -6,10 +6,9 @@ use std::time::Duration;
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use crate::{Failure, Shared, print_figures};
-use base::diagnostic::{Diagnostic, Source, Span, shown_path};
+use crate::{Failure, Shared, args, print_figures};
+use base::diagnostic::{Diagnostic, shown_path};
 use base::number::{grouped, wall_time};
-use base::units::Time;
 use study::evaluate::build_name;
 use study::store::evaluations::{BuildFigures, Pruned};
 use study::store::{self, EvaluationStore};
@@ -81,7 +80,7 @@ fn list(folder: &Folder, shared: &Shared) -> Result<(), Failure> {
 }
 
 fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
-    let least = args.older_than.as_deref().map(age).transpose()?;
+    let least = args.older_than.as_deref().map(|text| args::time("--older-than", text)).transpose()?;
     let is_wanted = |build: &str, age: Duration| match least {
         _ if args.all => true,
         Some(least) => age.as_secs_f64() > least,
@@ -99,13 +98,5 @@ fn prune(args: &PruneArgs, shared: &Shared) -> Result<(), Failure> {
             String::new()
         };
         format!("{} evaluations removed, {} left{why}", grouped(removed as u64), grouped(left as u64))
-    })
-}
-
-/// The time of `--older-than`, s.
-fn age(text: &str) -> Result<f64, Failure> {
-    let source = Source::unfiled("--older-than", text.to_owned());
-    Time::DIMENSION.parse(text).map_err(|error| {
-        Diagnostic::new(error.to_string()).at(&Span::new(&source, 0..text.len())).hint(error.hint()).into()
     })
 }

@@ -1,21 +1,22 @@
 //! `droptower sweep`: many runs of a scenario whose keys vary.
 
 use std::collections::BTreeSet;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use serde_json::json;
 
 use crate::args::Changes;
 use crate::failure::{both, hinted, preparing, refuse};
-use crate::farm::{self, Ends, ShardArgs};
+use crate::farm::{self, Ends, StudyArgs};
+use crate::folder::{self, Files, ResultPlace};
 use crate::live_page::LivePage;
 use crate::progress::SweepBar;
 use crate::run::run_all;
 use crate::scenarios;
-use crate::{Failure, Shared, folder, print_figures, shell, terminal};
-use base::diagnostic::{Diagnostic, printable, printable_json, shown_path};
+use crate::{Failure, Shared, print_figures, shell, terminal};
+use base::diagnostic::{Diagnostic, shown_path};
 use base::number::time_taken;
 use base::shell::quoted;
 use report::SweepPage;
@@ -24,7 +25,7 @@ use study::evaluate::{EvaluationError, Evaluations};
 use study::post::{self, ranking_figure};
 use study::script::Row;
 use study::store::evaluations::Share;
-use study::store::{self, Draft, Origin, ProgressFolder, STOPPED, STOPPED_TABLE, StoreError};
+use study::store::{Draft, Origin, ProgressFolder, STOPPED, STOPPED_TABLE, StoreError, run_files};
 use study::sweep::{Done, Effects, Stop, Sweep, SweepError, SweepResults, Work};
 
 #[derive(Debug, Args)]
@@ -37,12 +38,6 @@ pub(crate) struct SweepArgs {
     pub samples: Option<u32>,
     #[command(flatten)]
     pub changes: Changes,
-    /// Folder for the results, in place of runs/<name of the scenario>.sweep
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace results of another scenario or script in the same folder
-    #[arg(long)]
-    pub force: bool,
     /// Also write the run folders of these runs: worst:3, all, or numbers (4,17)
     #[arg(long, value_name = "WHICH")]
     pub keep: Option<String>,
@@ -50,40 +45,32 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]
-    pub farm: ShardArgs,
+    pub study: StudyArgs,
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
-    /// Folder of the evaluations that are never computed twice
-    #[arg(long, value_name = "DIR", default_value = store::EVALUATIONS)]
-    pub store: PathBuf,
 }
 
 /// The sweep that the arguments ask for, checked.
-struct Task {
+struct Task<'a> {
+    args: &'a SweepArgs,
+    shared: &'a Shared,
+    begin: Instant,
     sweep: Sweep,
     document: Document,
     evaluations: Evaluations,
-    place: PathBuf,
+    place: ResultPlace,
     keep: Keep,
     stop: Stop,
     page: LivePage,
 }
 
-impl Task {
-    /// What signals end.
-    fn ends(&self) -> Ends {
-        Ends { stop: self.stop.requested.clone(), given_up: self.stop.given_up.clone() }
-    }
-}
-
 pub(crate) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
-    let begin = Instant::now();
-    let task = task(args, shared, begin)?;
+    let task = task(args, shared)?;
     let page = &task.page;
     let (ends, told) = (task.ends(), page.clone());
     farm::end_on_signals(ends, move || told.stopping())?;
-    let swept = page.during(|| swept(&task, args, shared, begin));
+    let swept = page.during(|| task.swept());
     if let Err(failure) = &swept {
         // No more than the first end of a page counts: results may be stored, and runs have failed.
         if task.ends().is_over() { page.stopped() } else { page.failed(failure) }
@@ -91,53 +78,26 @@ pub(crate) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     swept
 }
 
-/// Computes the runs, and stores the results.
-fn swept(task: &Task, args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<(), Failure> {
-    let Task { sweep, evaluations, stop, page, .. } = task;
-    if !args.merge {
-        page.begin_sweep(args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
-    }
-    let progress = SweepBar::new(sweep.len(), shared);
-    let is_part = evaluations.share() != Share::WHOLE;
-    let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge };
-    let done = work.run(&|event| {
-        progress.show(&event);
-        page.note_sweep(&event, evaluations);
-    });
-    progress.finish();
-    let done = done.map_err(|error| failed(&error))?;
-    if done.len() < sweep.len() {
-        return unfinished(task, &done, args, shared);
-    }
-    if is_part {
-        page.discard();
-        return print_figures(shared, &partly(&done, sweep), || shard_text(&done, sweep));
-    }
-    let mut found = SweepResults::from_evaluations(sweep, &done, evaluations).map_err(|error| failed(&error))?;
-    found.findings.extend(terminal::findings_of_runs(&found.run_findings(), &found.findings));
-    store(task, &found, args, shared, begin.elapsed().as_secs_f64())
-}
-
 /// All arguments checked, or all their mistakes.
-fn task(args: &SweepArgs, shared: &Shared, begin: Instant) -> Result<Task, Failure> {
+fn task<'a>(args: &'a SweepArgs, shared: &'a Shared) -> Result<Task<'a>, Failure> {
+    let begin = Instant::now();
     let ((keep, share), (deadline, assignments)) =
-        both(both(keep(args), args.farm.share()), both(args.farm.deadline(begin), args.changes.assignments()))?;
+        both(both(keep(args), args.study.share()), both(args.study.deadline(begin), args.changes.assignments()))?;
     let document = Document::read(&args.scenario)?.with(&assignments);
     let samples = args.samples.map(|samples| samples as usize);
     let sweep = Sweep::prepare(&document, samples).map_err(|error| refused(&error, &document))?;
     check_changes(args, &sweep)?;
     keep.check(sweep.len())?;
-    let place = place(args, &sweep.model().name)?;
-    let replaced = folder::replaced_scenario(&place, "a sweep", &document.resolved());
-    if let Some(note) = replaced.filter(|_| !args.force && share == Share::WHOLE) {
-        tell(["replaces", &place.display().to_string(), &note], shared.json, shared.quiet);
+    let name = &sweep.model().name;
+    let place = args.study.results.place(&format!("{name}.sweep"), Origin::of_sweep(&args.scenario))?;
+    let replaced = folder::replaced_scenario(&place.folder, "a sweep", &document.resolved());
+    if let Some(note) = replaced.filter(|_| !place.force && share == Share::WHOLE) {
+        tell(["replaces", &place.folder.display().to_string(), &note], shared.json, shared.quiet);
     }
-    let page = page(&sweep.model().name, ProgressFolder::new(&place, share), shared);
-    let runs = page.clone();
-    let evaluations = Evaluations::new(&args.store).with_share(share);
-    let evaluations = evaluations.with_observer(move |event| runs.note_run(&event));
+    let page = page(name, ProgressFolder::new(&place.folder, share), shared);
+    let evaluations = args.study.evaluations(share, &page);
     let stop = Stop { deadline, ..Stop::default() };
-    Ok(Task { sweep, document, evaluations, place, keep, stop, page })
+    Ok(Task { args, shared, begin, sweep, document, evaluations, place, keep, stop, page })
 }
 
 /// The page of the sweep; where it is, is a note, or an event for a program.
@@ -148,15 +108,10 @@ fn page(name: &str, folder: ProgressFolder, shared: &Shared) -> LivePage {
 
 /// Prints a note about the `path` on standard error, as an event for a program; nothing if `quiet`.
 fn tell([event, path, text]: [&str; 3], events: bool, quiet: bool) {
-    let line = match events {
-        true => {
-            printable_json(&serde_json::json!({ "event": event, "path": path, "text": text }).to_string()).to_string()
-        }
-        false => printable(&format!("note: {text}")).to_string(),
-    };
-    if !quiet {
-        // Whoever follows may have gone.
-        let _ = writeln!(io::stderr(), "{line}");
+    match events {
+        _ if quiet => {}
+        true => crate::tell_event(&json!({ "event": event, "path": path, "text": text })),
+        false => crate::tell(&format!("note: {text}")),
     }
 }
 
@@ -172,10 +127,6 @@ fn check_changes(args: &SweepArgs, sweep: &Sweep) -> Result<(), Failure> {
         Some(mistake.hint(format!("give it one value: --set 'variation.\"{varied}\"=[…]'")))
     };
     refuse(changed.filter_map(mistake))
-}
-
-fn place(args: &SweepArgs, name: &str) -> Result<PathBuf, Failure> {
-    folder::place(args.out.as_deref(), &format!("{name}.sweep"), args.force, &Origin::of_sweep(&args.scenario))
 }
 
 fn keep(args: &SweepArgs) -> Result<Keep, Diagnostic> {
@@ -202,46 +153,126 @@ fn failed(error: &EvaluationError) -> Failure {
     Failure::output(hinted(error, error.hint()))
 }
 
-/// The object that a process prints of a sweep that is not complete.
-fn partly(done: &Done, sweep: &Sweep) -> serde_json::Value {
-    serde_json::json!({
-        "scenario": sweep.model().name,
-        "runs": sweep.len(),
-        "reused": done.cache_hits,
-        "computed": done.computed,
-        "missing": sweep.len() - done.len(),
-        "engine_s": done.engine_s,
-    })
-}
+impl Task<'_> {
+    /// What signals end.
+    fn ends(&self) -> Ends {
+        Ends { stop: self.stop.requested.clone(), given_up: self.stop.given_up.clone() }
+    }
 
-fn shard_text(done: &Done, sweep: &Sweep) -> String {
-    format!("{}: {} of {} runs computed here, all are done", sweep.model().name, done.computed, sweep.len())
-}
-
-/// A sweep that has runs left is not stored: a table of a part would be taken for the whole.
-fn unfinished(task: &Task, done: &Done, args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
-    let Task { sweep, evaluations, page, .. } = task;
-    let (name, missing) = (&sweep.model().name, sweep.len() - done.len());
-    if evaluations.share() != Share::WHOLE {
-        page.stopped();
-        return print_figures(shared, &partly(done, sweep), || {
-            format!("{name}: {} runs computed here, {missing} of {} are not done yet", done.computed, sweep.len())
+    /// Computes the runs, and stores the results.
+    fn swept(&self) -> Result<(), Failure> {
+        let Task { args, sweep, evaluations, stop, page, .. } = self;
+        if !args.merge {
+            page.begin_sweep(args.figure.as_deref().unwrap_or(ranking_figure(sweep.model())));
+        }
+        let progress = SweepBar::new(sweep.len(), page, self.shared);
+        let is_part = evaluations.share() != Share::WHOLE;
+        let work = Work { sweep, evaluations, waits: !is_part, stop, gather: args.merge };
+        let done = work.run(&|event| {
+            page.note_sweep(&event, evaluations);
+            progress.show(&event);
         });
+        progress.finish();
+        let done = done.map_err(|error| failed(&error))?;
+        if done.len() < sweep.len() {
+            return self.unfinished(&done);
+        }
+        if is_part {
+            page.discard();
+            let (name, computed, runs) = (&sweep.model().name, done.computed, sweep.len());
+            return self.print_part(&done, || format!("{name}: {computed} of {runs} runs computed here, all are done"));
+        }
+        let mut found = self.results(&done)?;
+        found.findings.extend(terminal::findings_of_runs(&found.run_findings(), &found.findings));
+        self.store(&found)
     }
-    if !args.merge {
-        store_stopped(task, done)?;
-        page.stopped();
+
+    /// The results of the runs that are known.
+    fn results(&self, done: &Done) -> Result<SweepResults, Failure> {
+        SweepResults::from_evaluations(&self.sweep, done, &self.evaluations).map_err(|error| failed(&error))
     }
-    print_figures(shared, &partly(done, sweep), String::new)?;
-    let mistake = Diagnostic::new(format!("{name}: {missing} of {} runs are not done", sweep.len()));
-    let hint = match args.merge {
-        true => "run `droptower sweep` without --merge: it computes what is missing".to_owned(),
-        false => format!(
-            "what is done stays, and the same command goes on from there; {} has it so far",
-            shown_path(page.folder().path())
-        ),
-    };
-    Err(Failure::output(mistake.hint(hint)))
+
+    /// Prints what a process computed of a sweep of which it is one, or which is not complete.
+    fn print_part(&self, done: &Done, text: impl FnOnce() -> String) -> Result<(), Failure> {
+        let runs = self.sweep.len();
+        let figures = json!({
+            "scenario": self.sweep.model().name,
+            "runs": runs,
+            "reused": done.cache_hits,
+            "computed": done.computed,
+            "missing": runs - done.len(),
+            "engine_s": done.engine_s,
+        });
+        print_figures(self.shared, &figures, text)
+    }
+
+    /// A sweep that has runs left is not stored: a table of a part would be taken for the whole.
+    fn unfinished(&self, done: &Done) -> Result<(), Failure> {
+        let Task { args, sweep, evaluations, page, .. } = self;
+        let (name, missing) = (&sweep.model().name, sweep.len() - done.len());
+        if evaluations.share() != Share::WHOLE {
+            page.stopped();
+            return self.print_part(done, || {
+                format!("{name}: {} runs computed here, {missing} of {} are not done yet", done.computed, sweep.len())
+            });
+        }
+        if !args.merge {
+            self.store_stopped(done)?;
+            page.stopped();
+        }
+        self.print_part(done, String::new)?;
+        let mistake = Diagnostic::new(format!("{name}: {missing} of {} runs are not done", sweep.len()));
+        let hint = match args.merge {
+            true => "run `droptower sweep` without --merge: it computes what is missing".to_owned(),
+            false => format!(
+                "what is done stays, and the same command goes on from there; {} has it so far",
+                shown_path(page.folder().path())
+            ),
+        };
+        Err(Failure::output(mistake.hint(hint)))
+    }
+
+    /// Writes the results, and shows them.
+    fn store(&self, found: &SweepResults) -> Result<(), Failure> {
+        let Task { args, sweep, place, keep, document, .. } = self;
+        let seconds = self.begin.elapsed().as_secs_f64();
+        let figure = figure_of(sweep, found, args.figure.as_deref())?;
+        let kept = keep.places(found, figure);
+        let summary = found.summary(sweep, seconds);
+        let [command, single] = [command(args, "sweep"), command(args, "run")];
+        let page = SweepPage { sweep, results: found, summary: &summary, command: &command, single: &single, figure };
+        let answer = report::sweep_answer(&page);
+        let summary =
+            Row::from_iter(std::iter::once(("answer".to_owned(), answer.clone().into())).chain(summary.clone()));
+        let page = SweepPage { summary: &summary, ..page };
+        let origin = place.origin.line(&place.folder);
+        let scenario = format!("# droptower {}\n{origin}{}", env!("CARGO_PKG_VERSION"), document.resolved());
+        let others = |files: &mut Files<'_>| {
+            files.write(run_files::SCENARIO, scenario.into_bytes())?;
+            files.write(run_files::TABLE, table(found, &place.folder.join(run_files::TABLE))?)
+        };
+        let (_, files) = place.store(&summary, others, report::sweep_page(&page), Draft::publish)?;
+        self.page.ended(&sweep.model().name);
+        let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(&place.folder, run)));
+        let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Failure>>()?;
+        let failure = run_all(runs, self.shared);
+        let printed = print_figures(self.shared, &summary, || text(sweep, found, &answer, seconds, &files));
+        let failed = failed_runs(sweep, found);
+        Failure::all([failure, failed].into_iter().flatten()).map_or(printed, Err)
+    }
+
+    /// Writes what is known of a sweep that was stopped: counts, statistics, and the table of the runs that are done.
+    fn store_stopped(&self, done: &Done) -> Result<(), Failure> {
+        let found = self.results(done)?;
+        let mut summary = serde_json::Map::from_iter([("stopped".to_owned(), true.into())]);
+        summary.extend(found.summary(&self.sweep, 0.0).into_iter().filter(|(name, _)| name != "seconds"));
+        let folder = self.page.folder();
+        let write = || -> Result<(), StoreError> {
+            folder.write(STOPPED, &folder::json(&summary)?)?;
+            folder.write(STOPPED_TABLE, &table(&found, &folder.path().join(STOPPED_TABLE))?)
+        };
+        write().map_err(|error| Failure::unstored(&error))
+    }
 }
 
 /// Which runs have folders of their own.
@@ -303,50 +334,9 @@ fn figure_of<'a>(sweep: &Sweep, found: &SweepResults, asked: Option<&'a str>) ->
     Err(mistake.hint(format!("give one of these by --figure: {}", names.join(", "))))
 }
 
-/// Writes the results, and shows them.
-fn store(task: &Task, found: &SweepResults, args: &SweepArgs, shared: &Shared, seconds: f64) -> Result<(), Failure> {
-    let Task { sweep, place, keep, document, .. } = task;
-    let figure = figure_of(sweep, found, args.figure.as_deref())?;
-    let kept = keep.places(found, figure);
-    let summary = found.summary(sweep, seconds);
-    let [command, single] = [command(args, "sweep"), command(args, "run")];
-    let page = SweepPage { sweep, results: found, summary: &summary, command: &command, single: &single, figure };
-    let answer = report::sweep_answer(&page);
-    let summary = Row::from_iter(std::iter::once(("answer".to_owned(), answer.clone().into())).chain(summary.clone()));
-    let page = SweepPage { summary: &summary, ..page };
-    let origin = Origin::of_sweep(&args.scenario);
-    let scenario = format!("# droptower {}\n{}{}", env!("CARGO_PKG_VERSION"), origin.line(place), document.resolved());
-    let write = || -> Result<Vec<String>, StoreError> {
-        let draft = Draft::begin(place, origin, args.force)?;
-        let files = folder::fill_sweep(&draft, &page, &scenario)?;
-        draft.publish()?;
-        Ok(files)
-    };
-    let files = write().map_err(|error| Failure::unstored(&error))?;
-    task.page.ended(&sweep.model().name);
-    let checked = |run| Ok((scenarios::of_document(sweep.document(run))?, run_place(place, run)));
-    let runs = kept.into_iter().map(checked).collect::<Result<Vec<_>, Failure>>()?;
-    let failure = run_all(runs, shared);
-    let printed =
-        print_figures(shared, &summary, || text(sweep, found, &answer, seconds, &folder::listing(place, &files)));
-    let failed = failed_runs(sweep, found);
-    Failure::all([failure, failed].into_iter().flatten()).map_or(printed, Err)
-}
-
-/// Writes what is known of a sweep that was stopped: counts, statistics, and the table of the runs that are done.
-fn store_stopped(task: &Task, done: &Done) -> Result<(), Failure> {
-    let Task { sweep, evaluations, page, .. } = task;
-    let found = SweepResults::from_evaluations(sweep, done, evaluations).map_err(|error| failed(&error))?;
-    let mut summary = serde_json::Map::from_iter([("stopped".to_owned(), true.into())]);
-    summary.extend(found.summary(sweep, 0.0).into_iter().filter(|(name, _)| name != "seconds"));
-    let folder = page.folder();
-    let write = || -> Result<(), StoreError> {
-        folder.write(STOPPED, &folder::json(&summary)?)?;
-        let table = base::table::to_csv(&found.table.columns);
-        folder
-            .write(STOPPED_TABLE, &table.map_err(|error| StoreError::write(folder.path().join(STOPPED_TABLE), error))?)
-    };
-    write().map_err(|error| Failure::unstored(&error))
+/// The runs as the text of the file at `path`.
+fn table(found: &SweepResults, path: &Path) -> Result<Vec<u8>, StoreError> {
+    base::table::to_csv(&found.table.columns).map_err(|error| StoreError::write(path, error))
 }
 
 /// The folder of a run of a sweep in `place`.
@@ -388,14 +378,11 @@ fn medians(found: &SweepResults) -> Vec<String> {
         let (name, of) = found.statistics.iter().find(|(own, _)| *own == effects.figure)?;
         let reading = post::reading(name, of.p50.abs().max(of.p05.abs()).max(of.p95.abs())).1;
         let range = [of.p05, of.p95].map(|value| reading.digits(value)).join(" to ");
-        Some([name.clone(), reading.text(of.p50), reading.with_unit(&range)])
+        let [median, range] = [reading.text(of.p50), reading.with_unit(&range)];
+        Some(vec![name.clone(), format!("median {median}"), format!("9 of 10 runs {range}")])
     };
-    let rows: Vec<[String; 3]> = found.effects.iter().filter_map(of_figure).collect();
-    let widths = [0, 1].map(|at| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or_default());
-    let line = |[name, median, range]: &[String; 3]| {
-        format!("  {name:0$}  median {median:1$}  9 of 10 runs {range}", widths[0], widths[1])
-    };
-    rows.iter().map(line).collect()
+    let rows: Vec<Vec<String>> = found.effects.iter().filter_map(of_figure).collect();
+    terminal::in_columns(&rows, 3).collect()
 }
 
 /// Failed runs are in the table; the exit status tells that there are some.

@@ -114,24 +114,23 @@ pub(crate) fn table<H: AsRef<str>>(
     aligned(&std::iter::once(header).chain(rows).collect::<Vec<Vec<String>>>(), words)
 }
 
-/// A line for each file that was written.
-pub(crate) fn written(files: &[String]) -> String {
-    files.iter().map(|file| format!("wrote {file}\n")).collect()
+/// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right; indented.
+pub(crate) fn aligned(lines: &[Vec<String>], words: usize) -> String {
+    in_columns(lines, words).map(|line| format!("  {line}\n")).collect()
 }
 
-/// Lines of equally many cells in columns, the first `words` columns aligned to the left, the others to the right.
-pub(crate) fn aligned(lines: &[Vec<String>], words: usize) -> String {
+/// Lines as [`aligned`] gives them, without line breaks and less indented.
+pub(crate) fn in_columns(lines: &[Vec<String>], words: usize) -> impl Iterator<Item = String> {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();
-    let line = |line: &Vec<String>| {
+    lines.iter().map(move |line| {
         let cell = |(column, (cell, width)): (usize, (&String, &usize))| {
             if column < words { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") }
         };
         let cells: String = line.iter().zip(&widths).enumerate().map(cell).collect();
-        format!("  {}\n", cells.trim_end())
-    };
-    lines.iter().map(line).collect()
+        cells.trim_end().to_owned()
+    })
 }
 
 #[cfg(test)]

@@ -13,12 +13,13 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::failure::{both, evaluating, refuse, split};
+use crate::folder::ResultPlace;
 use crate::scenarios::{self, Checked};
-use crate::{Failure, Shared, folder, list, output, print_figures};
-use base::diagnostic::{Diagnostic, folder_of, printable, shown_path};
+use crate::{Failure, Shared, list, output, print_figures, tell};
+use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use base::file;
 use base::number::time_taken;
-use lab::signal::csv;
+use lab::signal::{Recording, csv};
 use scene::expectation::{Difference, Expectations, Given, Recorded, Verdict};
 use scene::simulate::{self, Cancellation, RunError, RunOptions};
 use study::post::{Results, failure_message};
@@ -48,12 +49,18 @@ pub(crate) struct TestArgs {
 
 pub(crate) fn run(args: &TestArgs, shared: &Shared) -> Result<(), Failure> {
     let begin = Instant::now();
-    free(args)?;
+    if let Some(file) = &args.junit {
+        check(file, args.force)?;
+    }
+    let place = ResultPlace::new(args.out.clone(), Origin::of_tests(&args.paths), args.force)?;
     let cases = cases(&args.paths, args.filter.as_deref())?;
     let verdicts: Vec<Verdict> = cases.par_iter().map(|case| verdict(case, args, shared)).collect::<Result<_, _>>()?;
     let seconds = begin.elapsed().as_secs_f64();
     let summary = summary(args, &verdicts, seconds);
-    let files = store(args, &verdicts, &summary)?;
+    let (_, files) = place.store(&summary, |_| Ok(()), report::test_page(&verdicts), Draft::publish)?;
+    if let Some(junit) = &args.junit {
+        output::write(junit, |file| write(file, &verdicts))?;
+    }
     print_figures(shared, &summary, || [text(&verdicts, seconds), files].concat())?;
     match verdicts.iter().filter(|verdict| !verdict.has_passed()).count() {
         0 => Ok(()),
@@ -68,14 +75,6 @@ pub(crate) fn run(args: &TestArgs, shared: &Shared) -> Result<(), Failure> {
             Err(Failure::output(mistake.hint(hint)))
         }
     }
-}
-
-/// Checks that the results replace nothing of the user's.
-fn free(args: &TestArgs) -> Result<(), Failure> {
-    if let Some(file) = &args.junit {
-        check(file, args.force)?;
-    }
-    folder::check(&args.out, args.force, &Origin::of_tests(&args.paths))
 }
 
 /// Runs a case, and tells at once where it fails.
@@ -96,7 +95,7 @@ fn verdict(case: &Case, args: &TestArgs, shared: &Shared) -> Result<Verdict, Fai
             let given = Given { signals: &results.signals, figures: &figures };
             if args.bless {
                 let recorded = case.expectations.recorded(&given);
-                verdict.blessed = case.bless(&recorded).map_err(|(path, error)| output::failed(&path, &error))?;
+                verdict.blessed = case.bless(&recorded)?;
                 verdict.recorded = recorded;
             }
             verdict.differences = case.expectations.differences(&verdict.recorded, &given);
@@ -106,8 +105,7 @@ fn verdict(case: &Case, args: &TestArgs, shared: &Shared) -> Result<Verdict, Fai
     }
     verdict.seconds = begin.elapsed().as_secs_f64();
     if !shared.quiet && !shared.json {
-        let line = told(&verdict);
-        let _ = writeln!(io::stderr(), "{}", printable(&line));
+        tell(&told(&verdict));
     }
     Ok(verdict)
 }
@@ -161,19 +159,6 @@ fn text(verdicts: &[Verdict], seconds: f64) -> String {
     let passed = verdicts.len() - failed;
     lines.push(format!("{passed} passed, {failed} failed, {}", time_taken(seconds)));
     lines.join("\n") + "\n"
-}
-
-/// Writes the page, the summary and the JUnit file; the lines that name them.
-fn store(args: &TestArgs, verdicts: &[Verdict], summary: &Map<String, Value>) -> Result<String, Failure> {
-    let stored = Draft::begin(&args.out, Origin::of_tests(&args.paths), args.force).and_then(|draft| {
-        let files = folder::fill_tests(&draft, verdicts, summary)?;
-        Ok((draft.publish()?, files))
-    });
-    let (place, files) = stored.map_err(|error| Failure::unstored(&error))?;
-    if let Some(junit) = &args.junit {
-        output::write(junit, |file| write(file, verdicts))?;
-    }
-    Ok(folder::listing(Path::new(&place), &files))
 }
 
 /// Files of a case in a folder of its own.
@@ -284,34 +269,30 @@ impl Case {
     }
 
     /// Records what was given; whether that is another than before.
-    pub(crate) fn bless(&self, recorded: &Recorded) -> Result<bool, (PathBuf, io::Error)> {
-        let signals = recorded.signals.as_ref().map(|signals| {
+    fn bless(&self, recorded: &Recorded) -> Result<bool, Failure> {
+        let text = |signals: &Recording| {
             let mut text = Vec::new();
             csv::write(signals, &mut text).map(|()| text)
-        });
-        let failed = |path: &Path| {
-            let path = path.to_owned();
-            move |error| (path, error)
         };
-        let signals = signals.transpose().map_err(|error| (self.files.signals.clone(), io::Error::other(error)))?;
-        let figures = match recorded.figures.is_empty() {
-            true => None,
-            false => Some(serde_json::to_vec_pretty(&recorded.figures).map_err(io::Error::other)),
-        };
-        let figures = figures.transpose().map_err(failed(&self.files.figures))?;
-        let renew = |path: &Path, content: Option<Vec<u8>>| {
-            let before = fs::read(path).ok();
-            match &content {
-                Some(content) if before.as_ref() != Some(content) => file::replace(path, content)?,
-                None if before.is_some() => fs::remove_file(path)?,
-                _ => return Ok(false),
-            }
-            Ok(true)
-        };
-        let of_signals = renew(&self.files.signals, signals).map_err(failed(&self.files.signals))?;
-        let of_figures = renew(&self.files.figures, figures).map_err(failed(&self.files.figures))?;
-        Ok(of_signals || of_figures)
+        let signals = renew(&self.files.signals, recorded.signals.as_ref().map(text))?;
+        let figures = (!recorded.figures.is_empty()).then(|| serde_json::to_vec_pretty(&recorded.figures));
+        let figures = renew(&self.files.figures, figures.map(|text| text.map_err(io::Error::other)))?;
+        Ok(signals || figures)
     }
+}
+
+/// Writes what a file is to hold, or removes it where that is nothing; whether that is another than before.
+fn renew(path: &Path, content: Option<io::Result<Vec<u8>>>) -> Result<bool, Failure> {
+    let renewed = || -> io::Result<bool> {
+        let before = fs::read(path).ok();
+        match content.transpose()? {
+            Some(content) if before.as_ref() != Some(&content) => file::replace(path, &content)?,
+            None if before.is_some() => fs::remove_file(path)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    };
+    renewed().map_err(|error| output::failed(path, &error))
 }
 
 /// How a file begins that [`write`] wrote.

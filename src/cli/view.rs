@@ -1,16 +1,15 @@
 //! `droptower view`: opens recordings in the installed Rerun viewer.
 
 use std::ffi::OsString;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::Args;
 
-use super::Failure;
-use super::Shared;
 use crate::failure::all;
-use base::diagnostic::{Diagnostic, printable, shown_path};
+use crate::{Failure, Shared, tell};
+use base::diagnostic::{Diagnostic, shown_path};
 use study::store::run_files;
 
 #[derive(Debug, Args)]
@@ -80,9 +79,7 @@ fn beside() -> Option<OsString> {
 fn open(program: &OsString, recordings: &[PathBuf], quiet: bool) -> Result<(), Failure> {
     let version = version(program)?;
     if !quiet && !is_supported(&version) {
-        let text = format!("warning: recordings are written for the Rerun viewer {VERSION}, this is {version}");
-        // With standard error closed, there is nowhere to print.
-        let _ = writeln!(io::stderr(), "{}", printable(&text));
+        tell(&format!("warning: recordings are written for the Rerun viewer {VERSION}, this is {version}"));
     }
     let status = Command::new(program).args(recordings).status().map_err(|error| not_started(program, &error))?;
     if status.success() {

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 use std::{fs, thread};
 
@@ -11,16 +10,18 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::args::Changes;
+use crate::args::{Changes, ViewerArgs};
 use crate::failure::both;
-use crate::live::{self, Viewer};
+use crate::folder::ResultArgs;
+use crate::live::Viewer;
 use crate::run::{self, Done};
+use crate::scenarios;
 use crate::{
     DiagnosticFormat, Failure, Shared, print_diagnostics, print_line, print_records, print_unless_quiet, shell,
 };
-use crate::{folder, scenarios};
 use base::cancellation::Cancellation;
 use base::diagnostic::{Diagnostic, shown_path};
+use base::periodic;
 use scene::scenario::{Assignment, Document};
 use study::store::Origin;
 
@@ -31,24 +32,13 @@ pub(crate) struct WatchArgs {
     scenario: PathBuf,
     #[command(flatten)]
     changes: Changes,
-    /// Folder for the results, in place of runs/<name of the scenario>
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace results of another scenario in the same folder
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    results: ResultArgs,
     /// Before each run, run with elements of this size ("40 mm"), whose result is there sooner
     #[arg(long, value_name = "SIZE")]
     coarse: Option<String>,
-    /// Show the runs in an open Rerun viewer while they compute [usual address: rerun+http://127.0.0.1:9876/proxy]
-    #[arg(
-        long,
-        value_name = "URL",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "rerun+http://127.0.0.1:9876/proxy"
-    )]
-    live: Option<String>,
+    #[command(flatten)]
+    viewer: ViewerArgs,
 }
 
 /// The result of a look at the scenario, as a line of JSON.
@@ -74,7 +64,7 @@ struct Watch<'a> {
 
 /// Runs until the process is ended.
 pub(crate) fn run(args: &WatchArgs, shared: &Shared) -> Result<(), Failure> {
-    let (changes, viewer) = both(changes(args), args.live.as_deref().map(live::viewer).transpose())?;
+    let (changes, viewer) = both(changes(args), args.viewer.viewer())?;
     if !args.scenario.is_file() {
         return Err(Diagnostic::new(format!("there is no scenario {}", shown_path(&args.scenario))).into());
     }
@@ -127,22 +117,15 @@ impl Watch<'_> {
     /// The run of a checked scenario and its folder; `None` where a file changed before its end.
     fn simulate(&self, checked: scenarios::Checked, inputs: &Inputs) -> Result<Option<(PathBuf, Done)>, Failure> {
         let origin = Origin::of_run(checked.document.path());
-        let place = folder::place(self.args.out.as_deref(), &checked.model.name, self.args.force, &origin)?;
+        let place = self.args.results.place(&checked.model.name, origin)?.folder;
         let cancellation = Cancellation::default();
-        let is_over = AtomicBool::new(false);
-        let done = thread::scope(|scope| {
-            scope.spawn(|| {
-                while !is_over.load(Ordering::Relaxed) {
-                    if inputs.have_changed() {
-                        return cancellation.cancel();
-                    }
-                    thread::sleep(TICK);
-                }
-            });
-            let done = run::one(checked, &place, &cancellation, self.viewer.as_ref(), self.shared);
-            is_over.store(true, Ordering::Relaxed);
-            done
-        });
+        let look = || {
+            if inputs.have_changed() {
+                cancellation.cancel();
+            }
+        };
+        let run = || run::one(checked, &place, &cancellation, self.viewer.as_ref(), self.shared);
+        let done = periodic::during(TICK, look, run);
         Ok((!cancellation.is_cancelled()).then_some((place, done)))
     }
 

@@ -30,7 +30,7 @@ pub use crate::figure::{Figure, G, markdown};
 pub use crate::film::run_scene;
 pub use crate::fit_page::{FitPage, FitTable, fit_page};
 pub use crate::html::page;
-pub use crate::progress_page::{PageTime, StudyCall, StudyProgress, StudyState, ended_page};
+pub use crate::progress_page::{Counts, Pace, PageTime, StudyCall, StudyProgress, StudyState, ended_page};
 pub use crate::run_page::{RunPage, run_page};
 pub use crate::run_scene::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace};
 pub use crate::script_output::{cell, columns};

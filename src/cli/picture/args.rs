@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, ValueHint};
+use clap::{Args, ValueHint};
 
-use crate::args::quantity;
+use crate::args::{Choice, choice, quantity};
 use crate::picture::Format;
 use base::diagnostic::Diagnostic;
 use base::units::Length;
-use picture::{self, FAMILIES, View};
+use picture::{FAMILIES, Part, View};
 use plot::Style;
 
 #[derive(Debug, Args)]
@@ -39,13 +39,13 @@ pub(crate) struct PictureArgs {
     #[arg(long)]
     pub perspective: bool,
     /// What is drawn of a film with planes of symmetry
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice(&PARTS), default_value = "whole")]
     pub part: Part,
     /// Simulate the stored scenario again, for every snapshot, element and field instead of those on the page
     #[arg(long)]
     pub again: bool,
     /// Size, font, lines and resolution
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice(&PRESETS), default_value = "slide")]
     pub style: Preset,
     /// Size in pixels: 1600x1000
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with_all = ["width", "height"])]
@@ -76,27 +76,12 @@ pub(crate) struct PictureArgs {
     pub force: bool,
 }
 
-/// The part of a film with planes of symmetry that is drawn.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(crate) enum Part {
-    /// The whole film
-    #[default]
-    Whole,
-    /// The half behind a plane of symmetry
-    Half,
-    /// What was computed
-    Computed,
-}
-
-impl From<Part> for picture::Part {
-    fn from(part: Part) -> picture::Part {
-        match part {
-            Part::Whole => picture::Part::Whole,
-            Part::Half => picture::Part::Half,
-            Part::Computed => picture::Part::Computed,
-        }
-    }
-}
+/// The parts of a film with planes of symmetry that may be drawn, by word.
+const PARTS: [Choice<Part>; 3] = [
+    ("whole", "The whole film", Part::Whole),
+    ("half", "The half behind a plane of symmetry", Part::Half),
+    ("computed", "What was computed", Part::Computed),
+];
 
 fn ends(text: &str) -> Result<[f32; 2], String> {
     let number = |text: &str| text.trim().parse::<f32>().ok().filter(|number| number.is_finite());
@@ -132,46 +117,41 @@ fn family(text: &str) -> Result<String, String> {
 }
 
 /// Size, font, lines and resolution for a purpose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Preset {
-    /// 1600 x 1000 pixels, a font of 12 pt, with a heading
-    #[default]
-    Slide,
-    /// One column of a journal: 90 mm wide, a font of 8 pt, 600 dpi, no heading
-    SingleColumn,
-    /// Both columns of a journal: 190 mm wide, a font of 8 pt, 600 dpi, no heading
-    DoubleColumn,
-}
-
-/// The values of a preset.
-pub(crate) struct Values {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Preset {
     /// m.
-    pub(crate) width: f64,
+    width: f64,
     /// Size of the font, pt.
-    pub(crate) font_size: f64,
+    font_size: f64,
     /// Width of curves, pt.
-    pub(crate) line: f64,
+    line: f64,
     /// Pixels per inch.
-    pub(crate) dpi: f64,
+    dpi: f64,
     /// Height over width of a plot.
-    pub(crate) plot: f64,
+    plot: f64,
     /// Height over width of a scene.
-    pub(crate) scene: f64,
+    scene: f64,
+    /// Whether the picture has a heading.
+    has_title: bool,
 }
 
-impl Preset {
-    pub(crate) fn values(self) -> Values {
-        match self {
-            Preset::Slide => {
-                Values { width: 0.2032, font_size: 12.0, line: 1.8, dpi: 200.0, plot: 0.625, scene: 0.625 }
-            }
-            Preset::SingleColumn => {
-                Values { width: 0.09, font_size: 8.0, line: 1.0, dpi: 600.0, plot: 0.66, scene: 0.75 }
-            }
-            Preset::DoubleColumn => {
-                Values { width: 0.19, font_size: 8.0, line: 1.0, dpi: 600.0, plot: 0.4, scene: 0.5 }
-            }
-        }
+const SLIDE: Preset =
+    Preset { width: 0.2032, font_size: 12.0, line: 1.8, dpi: 200.0, plot: 0.625, scene: 0.625, has_title: true };
+const SINGLE_COLUMN: Preset =
+    Preset { width: 0.09, font_size: 8.0, line: 1.0, dpi: 600.0, plot: 0.66, scene: 0.75, has_title: false };
+const DOUBLE_COLUMN: Preset = Preset { width: 0.19, plot: 0.4, scene: 0.5, ..SINGLE_COLUMN };
+
+/// The presets by word.
+const PRESETS: [Choice<Preset>; 3] = [
+    ("slide", "1600 x 1000 pixels, a font of 12 pt, with a heading", SLIDE),
+    ("single-column", "One column of a journal: 90 mm wide, a font of 8 pt, 600 dpi, no heading", SINGLE_COLUMN),
+    ("double-column", "Both columns of a journal: 190 mm wide, a font of 8 pt, 600 dpi, no heading", DOUBLE_COLUMN),
+];
+
+impl PictureArgs {
+    /// Whether a preset is asked for.
+    pub(crate) fn has_preset(&self) -> bool {
+        self.style != SLIDE
     }
 }
 
@@ -183,7 +163,7 @@ const FAMILY: &str = "Arial, Helvetica, Arimo, sans-serif";
 /// # Errors
 /// A PNG in a font that it does not have.
 pub(crate) fn from_args(args: &PictureArgs, format: Format) -> Result<(Style, f64), Diagnostic> {
-    let Values { width, font_size, line, dpi, plot, scene } = args.style.values();
+    let Preset { width, font_size, line, dpi, plot, scene, has_title } = args.style;
     let dpi = args.dpi.map_or(dpi, f64::from);
     let proportion = if args.plot.is_some() { plot } else { scene };
     let [width, height] = match args.size {
@@ -193,10 +173,7 @@ pub(crate) fn from_args(args: &PictureArgs, format: Format) -> Result<(Style, f6
             [width, args.height.unwrap_or(proportion * width)].map(Style::points)
         }
     };
-    let has_title = match args.title.as_deref() {
-        Some(title) => !title.is_empty(),
-        None => args.style == Preset::Slide,
-    };
+    let has_title = args.title.as_deref().map_or(has_title, |title| !title.is_empty());
     let family = args.font.clone().unwrap_or_else(|| FAMILY.to_owned());
     if format == Format::Png && !is_in_png(&family) {
         let mistake = Diagnostic::new(format!("a PNG has no font of the family {family}"));

@@ -8,7 +8,6 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use crate::failure::hinted;
-use crate::picture::args::Preset;
 use crate::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::number::duration;
@@ -98,7 +97,7 @@ fn check_options_of_surfaces(args: &PictureArgs) -> Result<(), Diagnostic> {
         ("--plot", args.plot.is_some()),
         ("--view", args.view.is_some()),
         ("--perspective", args.perspective),
-        ("--style", args.style != Preset::default()),
+        ("--style", args.has_preset()),
         ("--size", args.size.is_some()),
         ("--width", args.width.is_some()),
         ("--height", args.height.is_some()),

@@ -3,6 +3,7 @@
 use serde_json::{Map, json};
 
 use crate::args::quantity;
+use crate::failure::hinted;
 use crate::picture::args::{self, PictureArgs};
 use crate::picture::{Format, Made, find, name_of, refused, unknown, unreadable};
 use crate::progress::Bar;
@@ -51,7 +52,7 @@ pub(super) fn draw(
         range,
         view: args.view.unwrap_or_default(),
         in_perspective: args.perspective,
-        part: args.part.into(),
+        part: args.part,
         title: &title,
         caption: &caption,
     };
@@ -205,10 +206,7 @@ fn again(args: &PictureArgs, shared: &Shared) -> Result<(String, RunScene), Fail
         Ok(outcome) => outcome,
         // A run that failed has states until then.
         Err(RunError::Failure(failure)) => failure.so_far,
-        Err(error) => {
-            let mistake = Diagnostic::new(format!("{}: {error}", model.name));
-            return Err(Diagnostic { hint: error.hint(), ..mistake }.into());
-        }
+        Err(error) => return Err(hinted(&format!("{}: {error}", model.name), error.hint()).into()),
     };
     let results = plan.measure(&model, &outcome).ok();
     let signals = results.as_ref().map_or(&outcome.signals, |results| &results.signals);

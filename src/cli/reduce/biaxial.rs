@@ -11,7 +11,7 @@ use crate::failure::all;
 use crate::reduce::coupon::{CouponArgs, Reduced, reduced};
 use crate::scenarios::paths;
 use crate::signal::FileArgs;
-use crate::{Failure, Shared, export, failure, output, print_figures, terminal};
+use crate::{Failure, Shared, export, failure, output, print_results, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
 use base::number::{figure, significant};
@@ -174,13 +174,8 @@ fn mean_coupling(tests: &[Test]) -> Option<SampleStatistics> {
 fn print(shared: &Shared, tests: &[Test], warnings: &[Warning], written: &[String]) -> Result<(), Failure> {
     let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
     let coupling = mean_coupling(tests);
-    let figures = json!({
-        "tests": tests.iter().map(Test::figures).collect::<Vec<_>>(),
-        "coupling": coupling,
-        "findings": findings,
-        "written": written,
-    });
-    print_figures(shared, &figures, || {
+    let figures = json!({ "tests": tests.iter().map(Test::figures).collect::<Vec<_>>(), "coupling": coupling });
+    print_results(shared, figures, &findings, written, || {
         let mut text: String = tests.iter().map(Test::text).collect();
         if let Some(SampleStatistics { mean, deviation, count }) = coupling {
             let of_all = match count {
@@ -191,7 +186,7 @@ fn print(shared: &Shared, tests: &[Test], warnings: &[Warning], written: &[Strin
             text +=
                 &format!("coupling of MD and TD {mean}{of_all}: fabric.biaxial, and this test as its biaxial_source\n");
         }
-        [text, terminal::findings("", &findings), terminal::written(written)].concat()
+        text
     })
 }
 
@@ -253,7 +248,7 @@ impl Test {
 const HEIGHTS: [&str; 3] = ["height", "apex", "deflection"];
 
 pub(super) fn bulge(args: &BulgeArgs, shared: &Shared) -> Result<(), Failure> {
-    let bulge = Bulge::new(args.radius, args.thickness).map_err(|error| Diagnostic::new(error.to_string()))?;
+    let bulge = Bulge::new(args.radius, args.thickness).map_err(|error| failure::recording(&error))?;
     let paths = paths(&args.recordings)?;
     check_out(&args.coupling, paths.len())?;
     let fabric = fabric(&args.coupling)?;
@@ -264,18 +259,15 @@ pub(super) fn bulge(args: &BulgeArgs, shared: &Shared) -> Result<(), Failure> {
 }
 
 fn bulged(args: &BulgeArgs, bulge: &Bulge, path: &Path, fabric: Option<&Fabric>) -> Result<Test, Diagnostic> {
-    let fault = |error: &dyn std::fmt::Display| Diagnostic::new(format!("{}: {error}", shown_path(path)));
+    let fault = |error: Error| failure::content(path, &error);
     let options = args.file.options(ChannelSelection::All)?;
     let table = file::columns(path, &options).map_err(|error| failure::recording(&error))?;
     let pressure = channel(&table, path, &args.pressure, Pressure::DIMENSION)?;
     let named = args.height.as_deref().or_else(|| HEIGHTS.into_iter().find(|name| table.channel(name).is_ok()));
     let height = channel(&table, path, named.unwrap_or(HEIGHTS[0]), Length::DIMENSION)?;
-    let curve = bulge.curve(pressure.values(), height.values());
-    let curve = curve.map_err(|error| Diagnostic { hint: error.hint().map(str::to_owned), ..fault(&error) })?;
-    let coupling = fabric.map(|fabric| of(fabric, |film| Coupling::of_equal_strains(&curve, film)));
-    let coupling = coupling.transpose();
-    let coupling =
-        coupling.map_err(|error| fault(&error).hint("check the units of height and --radius, and --film"))?;
+    let curve = bulge.curve(pressure.values(), height.values()).map_err(fault)?;
+    let coupling = fabric.map(|fabric| of(fabric, |film| Coupling::of_equal_strains(&curve, film))).transpose();
+    let coupling = coupling.map_err(|error| fault(error).hint("check the units of height and --radius, and --film"))?;
     let is_virtual = table.annotations.is_virtual();
     Ok(Test { name: shown_path(path), is_virtual, curve, coupon: None, coupling, high: None })
 }

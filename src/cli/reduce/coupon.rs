@@ -1,16 +1,16 @@
 //! `droptower reduce coupon`: from force over displacement to figures and a material file.
 
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use clap::Args;
 use serde_json::{Value as Json, json};
 
 use crate::args::{number, quantity};
-use crate::failure::all;
+use crate::failure::{all, hinted};
 use crate::scenarios::paths;
 use crate::signal::FileArgs;
-use crate::{Failure, Shared, failure, output, print_figures, terminal};
+use crate::{Failure, Shared, export, failure, output, print_results};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::file::{self, FileError};
 use base::finding::Finding;
@@ -26,8 +26,6 @@ use lab::experiment::coupon::{
 };
 use lab::experiment::material_file::coupon::{CouponMaterial, GivenShear};
 use lab::signal::file::ChannelSelection;
-use scene::model;
-use scene::scenario::Document;
 
 /// The recordings of coupons, and how they are read.
 #[derive(Debug, Args)]
@@ -107,7 +105,8 @@ pub(crate) fn run(args: &ReduceCouponArgs, shared: &Shared) -> Result<(), Failur
     output::write_sealed(&texts)?;
     let written: Vec<String> = texts.iter().map(|(path, _)| shown_path(path)).collect();
     let warnings = findings(&reduced, args.density.is_none(), !written.is_empty());
-    print_figures(shared, &figures(&reduced, &warnings, &written), || text(&reduced, &warnings, &written))
+    let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
+    print_results(shared, figures(&reduced, &warnings), &findings, &written, || text(&reduced))
 }
 
 /// The recordings that arguments name, reduced, with this speed in place of what they state.
@@ -137,10 +136,9 @@ pub(crate) fn reduced(args: &CouponArgs, velocity: Option<f64>) -> Result<Reduce
     }));
     failure::refuse(refused)?;
     join_speeds(&mut tests);
-    let coupon = mean(&tests).map_err(|error| Diagnostic::new(error.to_string()))?;
+    let coupon = mean(&tests).map_err(|error| failure::recording(&error))?;
     let samples: Vec<_> = tests.iter().map(|test| test.sample.clone()).collect();
-    let reduction =
-        Reduction::from_samples(&samples, &reader.rules).map_err(|error| Diagnostic::new(error.to_string()))?;
+    let reduction = Reduction::from_samples(&samples, &reader.rules).map_err(|error| failure::recording(&error))?;
     Ok(Reduced { coupon, tests, reduction })
 }
 
@@ -203,8 +201,7 @@ fn texts(args: &ReduceCouponArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, Str
 }
 
 fn fault(error: &Error) -> Diagnostic {
-    let mistake = Diagnostic::new(format!("no material: {error}"));
-    Diagnostic { hint: error.hint().map(str::to_owned), ..mistake }
+    hinted(&format!("no material: {error}"), error.hint())
 }
 
 fn check_folder(material: &Path) -> Result<(), Diagnostic> {
@@ -239,28 +236,12 @@ fn given(shear: &Path, places: &[PathBuf]) -> Result<String, Diagnostic> {
 
 /// Refuses a material that `droptower check` would refuse, with the place of a mistake in the `given` shear curve.
 fn check(written: &CouponMaterial<'_>, given: Option<&Path>) -> Result<(), Failure> {
-    let scratch = scratch(written, given).map_err(|error| Diagnostic::new(format!("no material: {error}")))?;
-    let document = Document::read_material(&scratch.path().join(DRAFT))?;
-    model::check_material(&document)?;
-    Ok(())
-}
-
-const DRAFT: &str = "material.toml";
-
-/// A folder of its own with the material, which reads the `given` shear curve where that lies.
-fn scratch(written: &CouponMaterial<'_>, given: Option<&Path>) -> io::Result<tempfile::TempDir> {
-    let scratch = tempfile::tempdir()?;
-    let shear = match given {
-        Some(file) => fs::canonicalize(file)?,
-        None => scratch.path().join("shear.csv"),
-    };
-    let shear_file = shear.to_string_lossy();
-    let draft = CouponMaterial { shear_file: &shear_file, ..written.clone() }.texts().map_err(io::Error::other)?;
-    if given.is_none() {
-        fs::write(&shear, draft.shear)?;
-    }
-    fs::write(scratch.path().join(DRAFT), draft.material)?;
-    Ok(scratch)
+    // A given curve is read where it lies.
+    let shear = given.map_or_else(|| Ok(PathBuf::from("shear.csv")), fs::canonicalize);
+    let shear = shear.map_err(|error| Diagnostic::new(format!("no material: {error}")))?;
+    let draft = CouponMaterial { shear_file: &shear.to_string_lossy(), ..written.clone() }.texts();
+    let draft = draft.map_err(|error| fault(&error))?;
+    export::check_material(&[("material.toml", draft.material.as_str()), ("shear.csv", draft.shear.as_str())])
 }
 
 /// The paths of the material and its shear curve: `film.toml` and `film-shear.csv`.
@@ -296,7 +277,7 @@ fn findings(reduced: &Reduced, is_density_assumed: bool, is_written: bool) -> Ve
 }
 
 /// All figures; SI.
-fn figures(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> Json {
+fn figures(reduced: &Reduced, warnings: &[Warning]) -> Json {
     let Reduced { tests, reduction, .. } = reduced;
     let along = |along: &DirectionMeans| {
         json!({
@@ -321,8 +302,6 @@ fn figures(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> Json 
         figures["specimens"] = specimens.into();
     }
     figures["notes"] = warnings.iter().map(Warning::to_string).collect();
-    figures["findings"] = json!(warnings.iter().map(Finding::new).collect::<Vec<_>>());
-    figures["written"] = json!(written);
     figures
 }
 
@@ -359,7 +338,7 @@ fn specimen_figures(test: &CouponTest) -> Option<Json> {
 }
 
 /// The figures as tables, in MPa and per cent.
-fn text(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> String {
+fn text(reduced: &Reduced) -> String {
     let Reduced { tests, reduction, .. } = reduced;
     let virtual_ones = match reduction.virtual_recordings() {
         0 => String::new(),
@@ -374,8 +353,7 @@ fn text(reduced: &Reduced, warnings: &[Warning], written: &[String]) -> String {
     if let Some(modulus) = reduction.modulus {
         text += &format!("MD and TD  E {:.1} MPa\n", modulus * 1e-6);
     }
-    text += &terminal::findings("", &warnings.iter().map(Finding::new).collect::<Vec<_>>());
-    text + terminal::written(written).as_str()
+    text
 }
 
 fn specimen_text(test: &CouponTest) -> Option<String> {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
+use crate::args::{Choice, choice, words_of};
 use crate::output::ends_in;
 use crate::signal::{self, Chosen, FileArgs, Input, remarks, with_notes};
 use crate::{Failure, Shared, failure, print_figures};
@@ -23,8 +24,8 @@ pub(crate) struct FilterArgs {
     #[arg(long, value_name = "CFC", value_parser = signal::class)]
     pub class: f64,
     /// The standard; the two differ in one constant
-    #[arg(long, value_enum, default_value = "iso")]
-    pub standard: Named,
+    #[arg(long, value_parser = choice(&STANDARDS), default_value = "iso")]
+    pub standard: Standard,
     /// Resample uneven samples to this rate first, e.g. "10 kHz"
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub resample: Option<f64>,
@@ -37,13 +38,8 @@ pub(crate) struct FilterArgs {
 }
 
 /// The standards by their short names.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Named {
-    /// ISO 6487
-    Iso,
-    /// SAE J211-1
-    Sae,
-}
+const STANDARDS: [Choice<Standard>; 2] =
+    [("iso", "ISO 6487", Standard::Iso6487), ("sae", "SAE J211-1", Standard::SaeJ211)];
 
 pub(crate) fn filter(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> {
     signal::check_table(&args.out, &args.input.path, args.force)?;
@@ -52,18 +48,19 @@ pub(crate) fn filter(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> 
     annotations.warnings.extend(signal::unusual_class(args.class));
     let even = even(args, &channel.series)?;
     annotations.warnings.extend(aliasing(&channel.series, &even));
-    let series = filter::channel(&even, args.class, args.standard.into())
+    let series = filter::channel(&even, args.class, args.standard)
         .map_err(|error| failure::content(&args.input.path, &error))?;
     let values = Channel { name: "value".into(), values: series.values().to_vec() };
     let recording = Recording { time: series.time().to_vec(), channels: vec![values] };
+    let [_, standard] = words_of(&STANDARDS, &args.standard);
     let comments: Vec<String> =
-        origin(args, &channel).into_iter().chain(annotations.comments().iter().cloned()).collect();
+        origin(args, &channel, standard).into_iter().chain(annotations.comments().iter().cloned()).collect();
     signal::write_csv(&args.out, &comments, &recording)?;
     let ends =
         |of: fn(&Series) -> Option<[f64; 2]>| [&channel.series, &series].map(|one| of(one).map(|[_, value]| value));
     let (largest, smallest) = (ends(Series::largest), ends(Series::smallest));
     let [path, out] = [&args.input.path, &args.out].map(|path| shown_path(path));
-    let (class, standard, samples, unit) = (args.class, args.standard.text(), series.len(), channel.value_unit());
+    let (class, samples, unit) = (args.class, series.len(), channel.value_unit());
     let figures = json!({
         "path": path,
         "channel": channel.name,
@@ -91,12 +88,12 @@ pub(crate) fn filter(args: &FilterArgs, shared: &Shared) -> Result<(), Failure> 
 }
 
 /// The description of the output: the quantity, its source, and how it was filtered.
-fn origin(args: &FilterArgs, channel: &MeasuredChannel) -> Vec<String> {
+fn origin(args: &FilterArgs, channel: &MeasuredChannel, standard: &str) -> Vec<String> {
     let unit = channel.value_unit().unwrap_or_else(|| "unknown, as written".into());
     vec![
         format!("value: {} of {}", channel.label, shown_path(&args.input.path)),
         format!("unit of value: {unit}"),
-        format!("filtered by droptower: CFC {} ({})", args.class, args.standard.text()),
+        format!("filtered by droptower: CFC {} ({standard})", args.class),
     ]
 }
 
@@ -105,9 +102,8 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
     let Some(rate) = args.resample else {
         return Ok(series.clone());
     };
-    let name = shown_path(&args.input.path);
-    filter::check_complete(series).map_err(|error| failure::content(&args.input.path, &error))?;
-    resample::uniform(series, 1.0 / rate).map_err(|error| Diagnostic::new(format!("{name}: {error}")))
+    let even = filter::check_complete(series).and_then(|()| resample::uniform(series, 1.0 / rate));
+    even.map_err(|error| failure::content(&args.input.path, &error))
 }
 
 /// The report of samples that are left out: frequencies above half the new rate fold into lower ones.
@@ -120,24 +116,6 @@ fn rate(text: &str) -> Result<f64, String> {
     let dimension: Dimension = Frequency::DIMENSION;
     let rate = text.parse::<f64>().ok().map_or_else(|| dimension.parse(text).map_err(|error| error.to_string()), Ok)?;
     if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(format!("a rate of {rate} Hz is not positive")) }
-}
-
-impl Named {
-    fn text(self) -> &'static str {
-        match self {
-            Named::Iso => "ISO 6487",
-            Named::Sae => "SAE J211-1",
-        }
-    }
-}
-
-impl From<Named> for Standard {
-    fn from(named: Named) -> Standard {
-        match named {
-            Named::Iso => Standard::Iso6487,
-            Named::Sae => Standard::SaeJ211,
-        }
-    }
 }
 
 #[derive(Debug, Args)]

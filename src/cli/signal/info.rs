@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::failure::split;
 use crate::signal::{FileArgs, remarks, with_notes};
-use crate::{Failure, Shared, failure, print_figures};
+use crate::{Failure, Shared, failure, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::number::{clean_time, significant};
 use lab::error::Kind;
@@ -164,39 +164,34 @@ impl Figures {
     }
 }
 
+/// The columns that are printed of a channel.
+const COLUMNS: [&str; 13] = [
+    "channel",
+    "written as",
+    "unit",
+    "class",
+    "samples",
+    "gaps",
+    "from s",
+    "to s",
+    "step s",
+    "smallest",
+    "at s",
+    "largest",
+    "at s",
+];
+
 fn text(contents: &Contents) -> String {
-    let header = [
-        "channel",
-        "written as",
-        "unit",
-        "class",
-        "samples",
-        "gaps",
-        "from s",
-        "to s",
-        "step s",
-        "smallest",
-        "at s",
-        "largest",
-        "at s",
-    ];
     let rows = contents.channels.iter().map(row);
-    let lines: Vec<Vec<String>> = std::iter::once(header.map(str::to_owned).to_vec()).chain(rows).collect();
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    // Names are set to the left, figures to the right; what the file calls a channel only where that is more than its
-    // name.
+    let mut lines: Vec<Vec<String>> = std::iter::once(COLUMNS.map(str::to_owned).to_vec()).chain(rows).collect();
+    // What the file calls a channel is shown only where that is more than its name.
     let has_labels = contents.channels.iter().any(|channel| channel.label != channel.name);
-    let shown = |column: &usize| *column != 1 || has_labels;
-    let line = |cells: &Vec<String>| {
-        let cell = |column: usize| match column {
-            0 | 1 => format!("  {:1$}", cells[column], widths[column]),
-            _ => format!("  {:>1$}", cells[column], widths[column]),
-        };
-        format!("{}\n", (0..header.len()).filter(shown).map(cell).collect::<String>())
-    };
-    let holes = holes(contents).into_iter().map(|hole| format!("  {hole}\n"));
-    let lines: String = lines.iter().map(line).chain(holes).collect();
+    if !has_labels {
+        lines.iter_mut().for_each(|line| drop(line.remove(1)));
+    }
+    let lines = terminal::in_columns(&lines, if has_labels { 2 } else { 1 });
+    let holes = holes(contents).into_iter().map(|hole| format!("  {hole}"));
+    let lines: String = lines.chain(holes).map(|line| line + "\n").collect();
     format!("{}\n{lines}{}", contents.path, remarks(&contents.annotations))
 }
 

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::{Value, json};
 
-use crate::args::milliseconds;
+use crate::args::{Choice, choice, milliseconds, words_of};
 use crate::failure::both;
 use crate::signal::{self, Chosen, Input, TableArgs, remark_lines, remarks, with_notes};
 use crate::{Failure, Shared, print_figures};
@@ -68,19 +68,27 @@ impl AccelerationArgs {
         Diagnostic::new(format!("{}: {error}", shown_path(&self.input.path)))
     }
 
+    /// Prints the figures that there are, how the acceleration was filtered and cut, and what its file states.
+    fn print(
+        &self,
+        shared: &Shared,
+        mut figures: Value,
+        annotations: &Annotations,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        figures["filter_class"] = json!(self.class);
+        figures["until_ms"] = json!(self.until);
+        if let Value::Object(figures) = &mut figures {
+            figures.retain(|_, value| !value.is_null());
+        }
+        print_figures(shared, &with_notes(figures, annotations), || [text(), remarks(annotations)].concat())
+    }
+
     /// How it was filtered and cut, for the terminal.
     fn treated(&self) -> String {
         let filter = self.class.map_or_else(|| "no filter".into(), |class| format!("CFC {class}"));
         self.until.map_or(filter.clone(), |until| format!("{filter}, up to {until} ms"))
     }
-}
-
-/// The figures that there are.
-fn present(mut figures: Value) -> Value {
-    if let Value::Object(figures) = &mut figures {
-        figures.retain(|_, value| !value.is_null());
-    }
-    figures
 }
 
 #[derive(Debug, Args)]
@@ -108,16 +116,13 @@ pub(crate) fn hic(args: &HicArgs, shared: &Shared) -> Result<(), Failure> {
         "t2_s": to,
         "duration_ms": duration_ms,
         "mean_g": mean_g,
-        "filter_class": args.acceleration.class,
-        "until_ms": args.acceleration.until,
     });
-    print_figures(shared, &with_notes(present(figures), &annotations), || {
-        let of_head_form =
-            hic_d.map(|hic_d| format!("HIC(d) {hic_d:.3}, were it of a free-motion head form\n")).unwrap_or_default();
+    args.acceleration.print(shared, figures, &annotations, || {
+        let treated = args.acceleration.treated();
+        let of_head_form = hic_d.map(|hic_d| format!("HIC(d) {hic_d:.3}, were it of a free-motion head form\n"));
         format!(
-            "HIC{window}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {from:.6} s to {to:.6} s, {}\n{of_head_form}{}",
-            args.acceleration.treated(),
-            remarks(&annotations)
+            "HIC{window}  {hic:.3}  {mean_g:.2} g over {duration_ms:.3} ms, from {from:.6} s to {to:.6} s, {treated}\n{}",
+            of_head_form.unwrap_or_default()
         )
     })
 }
@@ -130,26 +135,20 @@ pub(crate) struct ClipArgs {
     #[arg(long, value_name = "MS", default_value_t = 3.0, value_parser = milliseconds)]
     pub duration: f64,
     /// Whether intervals add up (49 CFR 571.208, UN R94) or one has to last
-    #[arg(long, value_enum, default_value_t)]
-    pub counting: CountingArg,
+    #[arg(long, value_parser = choice(&COUNTINGS), default_value = "cumulative")]
+    pub counting: Counting,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(crate) enum CountingArg {
-    /// All intervals together
-    #[default]
-    Cumulative,
-    /// The longest unbroken interval
-    Contiguous,
-}
+/// How intervals count, by word.
+const COUNTINGS: [Choice<Counting>; 2] = [
+    ("cumulative", "All intervals together", Counting::Cumulative),
+    ("contiguous", "The longest unbroken interval", Counting::Contiguous),
+];
 
 pub(crate) fn clip_command(args: &ClipArgs, shared: &Shared) -> Result<(), Failure> {
     let Read { series, mut annotations } = args.acceleration.read()?;
-    let (counting, name) = match args.counting {
-        CountingArg::Cumulative => (Counting::Cumulative, "cumulative"),
-        CountingArg::Contiguous => (Counting::Contiguous, "contiguous"),
-    };
-    let found = clip(&series, 1e-3 * args.duration, counting).map_err(|error| args.acceleration.mistake(error))?;
+    let [name, _] = words_of(&COUNTINGS, &args.counting);
+    let found = clip(&series, 1e-3 * args.duration, args.counting).map_err(|error| args.acceleration.mistake(error))?;
     if found.level <= 0.0 {
         annotations.warnings.push(Warning::NoPositiveLevel);
     }
@@ -162,15 +161,10 @@ pub(crate) fn clip_command(args: &ClipArgs, shared: &Shared) -> Result<(), Failu
         "duration_ms": duration,
         "start_s": from,
         "end_s": to,
-        "filter_class": args.acceleration.class,
-        "until_ms": args.acceleration.until,
     });
-    print_figures(shared, &with_notes(present(figures), &annotations), || {
-        format!(
-            "{duration} ms clip  {clip_g:.3} g  {name}, between {from:.6} s and {to:.6} s, {}\n{}",
-            args.acceleration.treated(),
-            remarks(&annotations)
-        )
+    args.acceleration.print(shared, figures, &annotations, || {
+        let treated = args.acceleration.treated();
+        format!("{duration} ms clip  {clip_g:.3} g  {name}, between {from:.6} s and {to:.6} s, {treated}\n")
     })
 }
 
@@ -205,46 +199,19 @@ pub(crate) fn rate(args: &RateArgs, shared: &Shared) -> Result<(), Failure> {
         "grade": rating.grade.to_string(),
         "shift_s": rating.shift,
         "samples": rating.samples,
-        "notes": rated.notes(),
-        "findings": rated.findings(),
+        "notes": rated.notes,
+        "findings": rated.findings,
     });
     print_figures(shared, &figures, || rating_text(args, &rated))
 }
 
-/// A rating and what the files of its curves state.
+/// A rating, and what it and the files of its curves state.
 struct Rated {
     rating: Rating,
-    files: [(Curve, Annotations); 2],
-}
-
-impl Rated {
-    fn notes(&self) -> Vec<String> {
-        let of_file = |(curve, file): &(Curve, Annotations)| {
-            let curve = *curve;
-            file.notes().into_iter().map(move |note| format!("{curve}: {note}"))
-        };
-        let of_rating = self.rating.warnings.iter().map(Warning::to_string);
-        self.files.iter().flat_map(of_file).chain(of_rating).collect()
-    }
-
+    notes: Vec<String>,
     /// Comments of the files that are no finding.
-    fn comments(&self) -> Vec<String> {
-        let of_file = |(curve, file): &(Curve, Annotations)| {
-            let prefixed = |comment| format!("{curve}: {comment}");
-            file.free_comments().map(prefixed).collect::<Vec<_>>()
-        };
-        self.files.iter().flat_map(of_file).collect()
-    }
-
-    fn findings(&self) -> Vec<Finding> {
-        let of_file = |(curve, file): &(Curve, Annotations)| {
-            let curve = *curve;
-            let of_curve =
-                move |finding: Finding| Finding { message: format!("{curve}: {}", finding.message), ..finding };
-            file.findings().into_iter().map(of_curve)
-        };
-        self.files.iter().flat_map(of_file).chain(self.rating.warnings.iter().map(Finding::new)).collect()
-    }
+    comments: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 fn rating(args: &RateArgs) -> Result<Rated, Failure> {
@@ -253,12 +220,20 @@ fn rating(args: &RateArgs) -> Result<Rated, Failure> {
         both(args.read(&args.reference, args.column.as_ref()), args.read(&args.comparison, column))?;
     check_units(args, &reference.channel, &comparison.channel)?;
     let found = rating::rate(&reference.channel.series, &comparison.channel.series);
-    let found = found.map_err(|error| {
+    let rating = found.map_err(|error| {
         let [reference, comparison] = [&args.reference, &args.comparison].map(|path| shown_path(path));
         Diagnostic::new(error.to_string()).hint(format!("the reference is {reference}, the comparison {comparison}"))
     })?;
-    let files = [(Curve::Reference, reference.annotations), (Curve::Comparison, comparison.annotations)];
-    Ok(Rated { rating: found, files })
+    let (mut notes, mut comments, mut findings) = (vec![], vec![], vec![]);
+    for (curve, file) in [(Curve::Reference, reference.annotations), (Curve::Comparison, comparison.annotations)] {
+        let of_curve = |text: &String| format!("{curve}: {text}");
+        notes.extend(file.notes().iter().map(of_curve));
+        comments.extend(file.free_comments().map(of_curve));
+        findings.extend(file.findings().into_iter().map(|own| Finding { message: of_curve(&own.message), ..own }));
+    }
+    notes.extend(rating.warnings.iter().map(Warning::to_string));
+    findings.extend(rating.warnings.iter().map(Finding::new));
+    Ok(Rated { rating, notes, comments, findings })
 }
 
 impl RateArgs {
@@ -295,6 +270,6 @@ fn rating_text(args: &RateArgs, rated: &Rated) -> String {
         shown_path(&args.comparison),
         shown_path(&args.reference),
         rating.samples,
-        remark_lines(&rated.comments(), &rated.findings())
+        remark_lines(&rated.comments, &rated.findings)
     )
 }

@@ -10,12 +10,14 @@ use serde_json::{Map, Value, json};
 
 use crate::drawn;
 use crate::html::{self, Card, Cell, escape, folded};
-use crate::progress_page::runs::{Counts, Runs, SweepRuns};
+pub use crate::progress_page::runs::{Counts, Pace};
+use crate::progress_page::runs::{Runs, SweepRuns};
 use crate::progress_page::search::Search;
 use base::number::{significant, wall_time};
 use plot::thinned;
 use study::evaluate::{Evaluation, RunEvent};
 use study::identify::SearchEvent;
+use study::sweep::RemainingWork;
 
 /// Most points of all plots of a page, which is written again and again.
 const MOST_POINTS: usize = 40_000;
@@ -101,9 +103,14 @@ impl StudyProgress {
         self.runs.note(event, elapsed);
     }
 
-    /// So many runs of a sweep are left to compute, by an estimate.
-    pub fn set_left(&mut self, left: usize) {
+    /// So much of a sweep is left to compute, by an estimate.
+    pub fn set_left(&mut self, left: RemainingWork) {
         self.runs.set_left(left);
+    }
+
+    /// How many runs wait, run, are done or failed, and the pace of a sweep at this time since it began, s.
+    pub fn runs(&self, elapsed: f64) -> (Counts, Option<Pace>) {
+        (self.runs.counts(), self.runs.pace(elapsed))
     }
 
     /// Takes note of a search.
@@ -194,8 +201,8 @@ impl StudyProgress {
             return None;
         }
         let Some(search) = self.searches.iter().find(|search| search.is_active) else {
-            let seconds = self.sweep.as_ref().and_then(|_| self.runs.to_go(elapsed))?;
-            return Some(format!("about {} to go", wall_time(seconds)));
+            let Pace { to_go, .. } = self.sweep.as_ref().and_then(|_| self.runs.pace(elapsed))?;
+            return Some(format!("about {} to go", wall_time(to_go)));
         };
         let progress = search.progress.as_ref()?;
         let left = progress.max_evaluations.saturating_sub(progress.iteration.evaluations);

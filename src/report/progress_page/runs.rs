@@ -5,7 +5,7 @@ use base::number::wall_time;
 use study::evaluate::{Evaluation, RunEvent};
 use study::post::{self, badness};
 use study::store::evaluations::Key;
-use study::sweep;
+use study::sweep::{self, RemainingWork};
 
 /// Most causes of failures that are told apart.
 const MOST_CAUSES: usize = 50;
@@ -23,8 +23,8 @@ pub(crate) struct Runs {
     running: Vec<(Key, String, f64)>,
     /// When the first was begun, s.
     first: Option<f64>,
-    /// Runs that nobody has computed, where an estimate tells.
-    left: Option<usize>,
+    /// What other processes and earlier sweeps leave of a sweep, where an estimate tells.
+    left: Option<RemainingWork>,
 }
 
 /// Why runs or trials failed, each cause with how often.
@@ -36,13 +36,26 @@ pub(crate) struct Causes {
 
 /// Numbers of runs or trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Counts {
-    pub(crate) waiting: usize,
-    pub(crate) running: usize,
-    pub(crate) done: usize,
+pub struct Counts {
+    /// Asked for, and not begun.
+    pub waiting: usize,
+    /// Under way.
+    pub running: usize,
+    /// Ended well.
+    pub done: usize,
     /// Those of the done that were known before.
-    pub(crate) known: usize,
-    pub(crate) failed: usize,
+    pub known: usize,
+    /// Ended without a result.
+    pub failed: usize,
+}
+
+/// How fast the runs of a sweep are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Runs per second, here and by other processes.
+    pub rate: f64,
+    /// s.
+    pub to_go: f64,
 }
 
 impl Causes {
@@ -96,8 +109,8 @@ impl Runs {
         self.running.retain(|(other, ..)| *other != run);
     }
 
-    /// So many runs are left, by an estimate.
-    pub(crate) fn set_left(&mut self, left: usize) {
+    /// So much is left, by an estimate.
+    pub(crate) fn set_left(&mut self, left: RemainingWork) {
         self.left = Some(left);
     }
 
@@ -112,13 +125,14 @@ impl Runs {
         self.wanted
     }
 
-    /// Time to go of a sweep, s, at the mean rate so far.
-    pub(crate) fn to_go(&self, now: f64) -> Option<f64> {
+    /// The mean pace of a sweep so far, once it tells how long a run takes.
+    pub(crate) fn pace(&self, now: f64) -> Option<Pace> {
         let Counts { waiting, running, failed, .. } = self.counts();
-        let computed = self.ended + failed;
+        let (left, elsewhere) = self.left.map_or((waiting, 0), |work| (work.left.min(waiting), work.elsewhere));
+        let (computed, seconds) = (self.ended + failed + elsewhere, now - self.first?);
         // Of those under way about a half is done.
-        let left = self.left.unwrap_or(waiting).min(waiting) as f64 + 0.5 * running as f64;
-        sweep::seconds_to_go(computed, now - self.first?, left)
+        let to_go = sweep::seconds_to_go(computed, seconds, left as f64 + 0.5 * running as f64)?;
+        Some(Pace { rate: computed as f64 / seconds, to_go })
     }
 
     /// The runs under way, and why others failed.
@@ -181,7 +195,7 @@ mod tests {
         runs.note(&RunEvent::Taken, 0.0);
         [1, 2, 3, 4].iter().for_each(|byte| runs.note(&begun(*byte), 1.0));
         assert_eq!(runs.counts(), Counts { waiting: 5, running: 4, done: 1, known: 1, failed: 0 });
-        assert_eq!(runs.to_go(2.0), None, "nothing tells how long a run takes");
+        assert_eq!(runs.pace(2.0), None, "nothing tells how long a run takes");
         runs.note(&RunEvent::Ended { run: key(1) }, 3.0);
         runs.note(&RunEvent::Failed { run: key(2), cause: "the film <tore>" }, 3.0);
         runs.note(&RunEvent::GivenUp { run: key(3) }, 3.0);
@@ -204,15 +218,15 @@ mod tests {
             runs.note(&RunEvent::Begun { run: key, name: "drop" }, now);
             now += lasts(run);
             runs.note(&RunEvent::Ended { run: key }, now);
-            if let Some(to_go) = runs.to_go(now) {
+            if let Some(Pace { to_go, .. }) = runs.pace(now) {
                 let left = whole - now;
                 assert!((to_go - left).abs() <= left / 3.0 + 14.0, "{to_go} s for {left} s after {run} runs");
                 first.get_or_insert(now);
             }
         }
         assert!(first.is_some_and(|first| first <= 60.0), "{first:?}");
-        runs.set_left(0);
-        assert_eq!(runs.to_go(now), Some(0.0));
+        runs.set_left(RemainingWork { left: 0, elsewhere: 60 });
+        assert_eq!(runs.pace(now), Some(Pace { rate: 120.0 / now, to_go: 0.0 }));
     }
 
     #[test]

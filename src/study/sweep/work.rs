@@ -237,6 +237,7 @@ impl State<'_> {
         let (store, failed) = (evaluations.store(), |error| evaluations.failed(error));
         if gather {
             if let Some(cause) = store.refusal(keys.figures).map_err(failed)? {
+                evaluations.tell(RunEvent::Refused(&cause));
                 self.refuse(place, cause);
             }
             return Ok(());

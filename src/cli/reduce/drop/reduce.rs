@@ -1,15 +1,13 @@
 //! One recording of a drop: read, reduced, its figures in words.
 
 use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use crate::reduce::drop::{DropArgs, Method};
+use crate::scenarios::sha256;
 use crate::{failure, signal};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
-use base::file as whole_file;
 use base::finding::Finding;
 use base::number::significant;
 use base::units::STANDARD_GRAVITY;
@@ -121,7 +119,7 @@ impl Reducer<'_> {
         let args = self.args;
         let given = Stated { mass: args.mass, height: args.height.map(|(height, _)| height) };
         let stated = Stated::of_header(sensed.annotations.comments(), given);
-        let stated = stated.map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(path))))?;
+        let stated = stated.map_err(|error| failure::content(path, &error))?;
         let missing = |what: &str, hint: &str| {
             Diagnostic::new(format!("{}: {what} is not known", shown_path(path))).hint(hint.to_owned())
         };
@@ -184,9 +182,6 @@ fn read_options(args: &DropArgs) -> Result<ReadOptions, Diagnostic> {
 /// The folder of the channels beside the head of a test of ISO-MME.
 const CHANNELS: &str = "Channel";
 
-/// Bytes that are read at once: recordings are not held as a whole.
-const BLOCK: usize = 1 << 16;
-
 /// SHA-256 of a recording; of a test of ISO-MME that is no archive, of its head and its channels, one after the other. None
 /// where it cannot be read.
 fn fingerprint(path: &Path) -> Option<String> {
@@ -198,18 +193,7 @@ fn fingerprint(path: &Path) -> Option<String> {
         }
         false => vec![path.to_owned()],
     };
-    let mut digest = Sha256::new();
-    let mut block = vec![0; BLOCK];
-    for file in files {
-        let mut file = whole_file::open(&file).ok()?;
-        loop {
-            match file.read(&mut block).ok()? {
-                0 => break,
-                count => digest.update(&block[..count]),
-            }
-        }
-    }
-    Some(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    sha256(&files).ok()
 }
 
 /// The files in a folder, in the order of their names.
@@ -241,6 +225,10 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
         (Some(time_constant), _) => coupling(time_constant, figures.time_constant_interval_s),
         (None, duration) => format!("gravity ramp of {}", or_none(duration.map(|d| format!("{:.1} ms", 1e3 * d)))),
     };
+    let rebound = figures.rebound_velocity_m_s.zip(figures.time_of_rebound_s).map(|(speed, time)| {
+        let interval = interval_of(figures.rebound_velocity_interval_m_s, 1.0, 3);
+        format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
+    });
     let mut rows = vec![
         ("tower", conditions(tower)),
         ("release", format!("{:.5} s on the recording's clock", figures.release_time_s)),
@@ -282,6 +270,7 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
                 })),
             },
         ),
+        ("largest upward speed", or_none(rebound)),
         ("energy", energy(figures, bounds.is_some())),
         (
             "loading energy absorbed",
@@ -297,12 +286,6 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
         ("filtering", format!("changes the total energy by {:.4} % at most", 100.0 * figures.total_energy_drift)),
         ("correction", correction),
     ];
-    let rebound = figures.rebound_velocity_m_s.zip(figures.time_of_rebound_s);
-    let rebound = rebound.map(|(speed, time)| {
-        let interval = interval_of(figures.rebound_velocity_interval_m_s, 1.0, 3);
-        format!("{speed:.3} m/s{interval} at {:.1} ms", 1e3 * time)
-    });
-    rows.insert(6, ("largest upward speed", or_none(rebound)));
     if let Some((input, share)) = figures.widest_input.zip(figures.widest_share) {
         rows.push(("intervals", "95 % by noise, zero, coupling, friction, height, release and onset".into()));
         rows.push(("widest by", widest(input, share)));
