@@ -54,11 +54,25 @@ struct Inertia {
 }
 
 /// The facts that are printed about a correct file.
-#[derive(Default)]
+#[derive(Default, Serialize)]
 struct Facts {
     findings: Vec<Finding>,
+    /// Of the impactors that may turn.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     inertias: Vec<Inertia>,
+    /// Of a scenario that varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
     variation: Option<Varies>,
+}
+
+/// The mistakes of one file, or what is reported of it without them, for a program.
+#[derive(Serialize)]
+struct Verdict<'a> {
+    path: &'a str,
+    ok: bool,
+    mistakes: Vec<Value>,
+    #[serde(flatten)]
+    facts: &'a Facts,
 }
 
 /// The facts of a file, or its mistakes.
@@ -153,26 +167,13 @@ impl Inertia {
     }
 }
 
-/// The mistakes of one file, or what is reported of it without them.
 fn verdict(path: &str, checked: &Checked) -> Value {
-    let none: [Value; 0] = [];
-    match checked {
-        Ok(Facts { findings, inertias, variation }) => {
-            let mut verdict = json!({ "path": path, "ok": true, "mistakes": none, "findings": findings });
-            // Of the impactors that may turn, and of a scenario that varies.
-            if !inertias.is_empty() {
-                verdict["inertias"] = json!(inertias);
-            }
-            if let Some(variation) = variation {
-                verdict["variation"] = json!(variation);
-            }
-            verdict
-        }
-        Err(failure) => {
-            let mistakes: Vec<Value> = failure.diagnostics.iter().map(mistake).collect();
-            json!({ "path": path, "ok": false, "mistakes": mistakes, "findings": none })
-        }
-    }
+    let (no_facts, no_mistakes) = (Facts::default(), vec![]);
+    let (facts, mistakes) = match checked {
+        Ok(facts) => (facts, &no_mistakes),
+        Err(failure) => (&no_facts, &failure.diagnostics),
+    };
+    json!(Verdict { path, ok: checked.is_ok(), mistakes: mistakes.iter().map(mistake).collect(), facts })
 }
 
 fn mistake(found: &Diagnostic) -> Value {

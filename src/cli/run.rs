@@ -112,17 +112,7 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
     for Checked { model, plan, .. } in jobs.iter().map(|job| &job.checked) {
         plan.findings().iter().for_each(|finding| bar.finding(&model.name, finding));
     }
-    // Each is dropped once it is done: a batch takes no more memory for the runs that are behind it.
-    let run = |(index, job): (usize, Job)| {
-        let done = job.run(&bar, index, viewer.as_ref());
-        Done { summary: done.summary.filter(|_| shared.json), ..done }
-    };
-    // One run has all threads to itself; several share them.
-    let computed: Vec<Done> = match jobs.len() {
-        1 => jobs.into_iter().enumerate().map(run).collect(),
-        _ => jobs.into_par_iter().enumerate().map(run).collect(),
-    };
-    bar.finish();
+    let computed = compute(jobs, &bar, viewer.as_ref(), shared);
     let failure = Failure::all(computed.iter().filter_map(|done| done.failure.clone()));
     let left = complete.into_iter().map(|left| Done { summary: Some(left.summary), ..Done::default() });
     let printed = show(&left.chain(computed).collect::<Vec<_>>(), shared);
@@ -134,9 +124,23 @@ pub(super) fn run_all(runs: Vec<(Checked, PathBuf)>, shared: &Shared) -> Option<
     let jobs: Vec<Job> =
         runs.into_iter().map(|(checked, place)| Job::plain(checked, place, Cancellation::default())).collect();
     let bar = Bar::new(jobs.len(), shared.quiet);
-    let done: Vec<Done> = jobs.par_iter().enumerate().map(|(index, job)| job.run(&bar, index, None)).collect();
+    Failure::all(compute(jobs, &bar, None, shared).into_iter().filter_map(|done| done.failure))
+}
+
+/// The results of jobs, whose progress `bar` shows.
+fn compute(jobs: Vec<Job>, bar: &Bar, viewer: Option<&Viewer>, shared: &Shared) -> Vec<Done> {
+    // Each is dropped once it is done: a batch takes no more memory for the runs that are behind it.
+    let run = |(index, job): (usize, Job)| {
+        let done = job.run(bar, index, viewer);
+        Done { summary: done.summary.filter(|_| shared.json), ..done }
+    };
+    // One run has all threads to itself; several share them.
+    let computed = match jobs.len() {
+        1 => jobs.into_iter().enumerate().map(run).collect(),
+        _ => jobs.into_par_iter().enumerate().map(run).collect(),
+    };
     bar.finish();
-    Failure::all(done.into_iter().filter_map(|done| done.failure))
+    computed
 }
 
 /// Runs a checked scenario into the folder, until it is cancelled.

@@ -62,7 +62,7 @@ pub(crate) fn run(args: &TestArgs, shared: &Shared) -> Result<(), Failure> {
         output::write(junit, |file| write(file, &verdicts))?;
     }
     print_figures(shared, &summary, || [text(&verdicts, seconds), files].concat())?;
-    match verdicts.iter().filter(|verdict| !verdict.has_passed()).count() {
+    match failed(&verdicts) {
         0 => Ok(()),
         _ if shared.json => Err(Failure::quiet()),
         failed => {
@@ -131,8 +131,13 @@ fn told(verdict: &Verdict) -> String {
     }
 }
 
+/// How many cases have failed.
+fn failed(verdicts: &[Verdict]) -> usize {
+    verdicts.iter().filter(|verdict| !verdict.has_passed()).count()
+}
+
 fn summary(args: &TestArgs, verdicts: &[Verdict], seconds: f64) -> Map<String, Value> {
-    let failed = verdicts.iter().filter(|verdict| !verdict.has_passed()).count();
+    let failed = failed(verdicts);
     let entries: Vec<_> = verdicts.iter().map(Verdict::entry).collect();
     let figures = json!({
         "droptower": env!("CARGO_PKG_VERSION"),
@@ -155,7 +160,7 @@ fn text(verdicts: &[Verdict], seconds: f64) -> String {
         lines.push(verdict.name.clone());
         lines.extend(verdict.differences.iter().map(|difference| format!("  {difference}")));
     }
-    let failed = verdicts.iter().filter(|verdict| !verdict.has_passed()).count();
+    let failed = failed(verdicts);
     let passed = verdicts.len() - failed;
     lines.push(format!("{passed} passed, {failed} failed, {}", time_taken(seconds)));
     lines.join("\n") + "\n"
@@ -309,7 +314,7 @@ pub(crate) fn check(path: &Path, force: bool) -> Result<(), Failure> {
 
 /// Writes one suite with a case for each verdict.
 pub(crate) fn write(file: &mut dyn Write, verdicts: &[Verdict]) -> io::Result<()> {
-    let failed = verdicts.iter().filter(|verdict| !verdict.has_passed()).count();
+    let failed = failed(verdicts);
     let seconds: f64 = verdicts.iter().map(|verdict| verdict.seconds).sum();
     let mut xml = Writer::new_with_indent(file, b' ', 2);
     let suite = xml.create_element("testsuite").with_attributes([

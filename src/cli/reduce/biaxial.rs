@@ -202,23 +202,16 @@ impl Test {
     }
 
     fn figures(&self) -> Json {
-        let coupling = |own: &Coupling| {
-            let mut figures = json!({ "value": own.value });
-            if let Some(high) = self.high {
-                figures["high"] = high.into();
-            }
-            figures["relative_rms"] = own.relative_rms.into();
-            // Strain, and the coupling there.
-            figures["by_strain"] = json!(own.by_strain);
-            figures
-        };
         let mut figures = json!({ "file": self.name, "virtual": self.is_virtual });
         if let Some((direction, ratio)) = &self.coupon {
-            figures["direction"] = direction.as_str().into();
-            figures["width_over_length"] = (*ratio).into();
+            figures["direction"] = json!(direction);
+            figures["width_over_length"] = json!(ratio);
         }
         figures["curve"] = json!(self.shown_curve());
-        figures["coupling"] = json!(self.coupling.as_ref().map(coupling));
+        figures["coupling"] = json!(self.coupling);
+        if let Some(high) = self.high {
+            figures["coupling"]["high"] = json!(high);
+        }
         figures
     }
 

@@ -1,6 +1,8 @@
 //! Film that is stretched in both directions: bulges, and coupons that are wide for their length; what they say of the
 //! coupling of MD and TD (docs/methods.md, section 11).
 
+use serde::Serialize;
+
 use super::coupon::Curve;
 use crate::error::{Error, Kind, refusal};
 use base::number::significant;
@@ -79,7 +81,7 @@ pub struct Uncoupled<'a> {
 }
 
 /// The coupling that a test shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coupling {
     /// k of equation 4b, by least squares of stresses over all strains.
     pub value: f64,
@@ -88,6 +90,7 @@ pub struct Coupling {
     /// Strain and the coupling there.
     pub by_strain: Vec<[f64; 2]>,
     /// Strain up to which the curves of MD and TD reach; none where they reach as far as the test.
+    #[serde(skip)]
     pub cut: Option<f64>,
 }
 
