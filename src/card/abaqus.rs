@@ -77,11 +77,12 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
     // CalculiX has no relaxation: its film is the one of the law as it is written.
     let has_relaxation = request.target == Target::Abaqus;
     draft.losses.extend(viscosity.filter(|_| !has_relaxation).map(|_| Loss::Viscosity));
-    let instant = viscosity.filter(|_| has_relaxation).map_or(1.0, Viscosity::instant);
+    let viscosity = viscosity.filter(|_| has_relaxation);
+    let instant = viscosity.map_or(1.0, Viscosity::instant);
     let stress = request.system.stress() / instant;
     // A small compressibility for elements that need one; both potentials have D = 2/K.
     let d = 2.0 * stress / bulk_modulus(shear_modulus(law), request.poisson_of(law));
-    let moduli = if viscosity.is_some() && has_relaxation { ", MODULI=INSTANTANEOUS" } else { "" };
+    let moduli = if viscosity.is_some() { ", MODULI=INSTANTANEOUS" } else { "" };
     let potential = match law {
         HyperelasticLaw::Polynomial(film) => {
             let Polynomial { first, second } = film.energy;
@@ -109,7 +110,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
     };
     draft.lose_of_rubber(law);
     draft.lose_rupture_and_heat();
-    let relaxation = viscosity.filter(|_| has_relaxation).map_or_else(String::new, |viscosity| {
+    let relaxation = viscosity.map_or_else(String::new, |viscosity| {
         // Shares of the instantaneous shear modulus; the volume does not relax.
         let rows = viscosity.terms().iter().map(|term| vec![term.share, 0.0, term.time / request.system.time()]);
         keyword("VISCOELASTIC, TIME=PRONY", rows)
