@@ -148,10 +148,16 @@ pub enum Refusal {
     },
 }
 
-/// The curves of a fabric by strain rate, SI: nominal stress over engineering strain, in shear over the angle (rad).
+/// Points of a curve.
+pub type Points = Vec<[f64; 2]>;
+
+/// A curve with its rate, 1/s; none where there is one curve of no rate, or of the one that was asked for.
+pub(crate) type Rated<C> = (Option<f64>, C);
+
+/// The curves of a fabric, SI: nominal stress over engineering strain, in shear over the angle (rad).
 pub(crate) struct FabricCurves {
-    /// MD and TD: rate (none where the curve is of no rate, or of the one that was asked for) and curve.
-    pub(crate) fibres: [Vec<(Option<f64>, Sampled)>; 2],
+    /// MD and TD.
+    pub(crate) fibres: [Vec<Rated<Sampled>>; 2],
     pub(crate) shear: Sampled,
     /// Largest slopes along MD, along TD and in shear, Pa.
     pub(crate) slopes: [f64; 3],
@@ -159,6 +165,59 @@ pub(crate) struct FabricCurves {
     pub(crate) ends: [f64; 2],
     /// Share of the stored energy that is lost on unloading.
     pub(crate) absorption: f64,
+}
+
+impl FabricCurves {
+    /// Strains along MD, along TD and in shear from which unloading curves are written.
+    pub(crate) fn unloading_from(&self, request: &Request) -> [f64; 3] {
+        let asked = request.unloading_from.unwrap_or(f64::INFINITY);
+        let shear = self.shear.points.last().map_or(0.0, |point| point[0]);
+        [self.ends[0].min(asked), self.ends[1].min(asked), shear]
+    }
+
+    /// Curves along MD, along TD (of several rates the slowest) and in shear as solvers take them: loading, and unloading from the
+    /// strains `from`, where there is absorption. Every piece rises, both have the point from which film unloads, and shear is
+    /// written to both sides of zero.
+    pub(crate) fn paths(&self, from: [f64; 3], absorption: f64) -> ([Points; 3], Option<[Points; 3]>) {
+        let loading = [0, 1, 2].map(|place| {
+            let curve = if place == 2 { &self.shear } else { &self.fibres[place][0].1 };
+            let points = rising(curve.points.clone());
+            if absorption == 0.0 { points } else { with_point(&points, from[place]) }
+        });
+        let unloading = || [0, 1, 2].map(|place| rising(unloading(&loading[place], from[place], absorption)));
+        let unloading = (absorption > 0.0).then(unloading);
+        let both_sides = |[md, td, shear]: [Points; 3]| [md, td, odd(&shear)];
+        (both_sides(loading), unloading.map(both_sides))
+    }
+}
+
+/// Curves that stand behind a material, numbered from a hundred times its number on.
+pub(crate) struct CurvesBehind {
+    pub(crate) text: String,
+    last: i64,
+    write: WriteCurve,
+}
+
+/// Writes a curve by its number and title; abscissas and ordinates are divided by the units.
+pub(crate) type WriteCurve = fn(i64, &str, &[[f64; 2]], [f64; 2]) -> String;
+
+impl CurvesBehind {
+    pub(crate) fn new(request: &Request, write: WriteCurve) -> CurvesBehind {
+        CurvesBehind { text: String::new(), last: 100 * i64::from(request.id), write }
+    }
+
+    /// The next number.
+    pub(crate) fn number(&mut self) -> i64 {
+        self.last += 1;
+        self.last
+    }
+
+    /// Adds a curve; its number.
+    pub(crate) fn add(&mut self, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> i64 {
+        let number = self.number();
+        self.text += &(self.write)(number, title, points, units);
+        number
+    }
 }
 
 /// A card that is being written.
@@ -192,6 +251,15 @@ impl<'a> Draft<'a> {
             }
             Law::Fabric(_) | Law::RateFabric(_) | Law::Hyperelastic(_) | Law::Plastic(_) => None,
         }
+    }
+
+    /// Share of the stress of rubber that stays when it has relaxed, and shear moduli (Pa) and times (s) of what relaxes: solvers
+    /// whose moduli are beside the law add both.
+    pub(crate) fn relaxation(&self, law: &HyperelasticLaw) -> (f64, Vec<[f64; 2]>) {
+        let Some(viscosity) = &self.film.material.viscosity else { return (1.0, vec![]) };
+        let instant = viscosity.instant() * shear_modulus(law);
+        let moduli = viscosity.terms().iter().map(|term| [instant * term.share, term.time]).collect();
+        (viscosity.instant() * viscosity.long_term(), moduli)
     }
 
     /// What a card of incompressible film loses.
@@ -234,7 +302,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    fn sampled<F: FibreLaw>(&mut self, fabric: &Fabric<F>, fibres: [Vec<(Option<f64>, Curve)>; 2]) -> FabricCurves {
+    fn sampled<F: FibreLaw>(&mut self, fabric: &Fabric<F>, fibres: [Vec<Rated<Curve>>; 2]) -> FabricCurves {
         let most = self.request.points;
         let with_origin = |curve: &Curve| [&[[0.0, 0.0]], curve.points()].concat();
         let thin = |curve: &Curve| thinned(&with_origin(curve), most);
@@ -242,10 +310,8 @@ impl<'a> Draft<'a> {
             let slopes = with_origin(curve);
             slopes.windows(2).map(|ends| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])).fold(0.0, f64::max)
         };
-        let stiffest =
-            |curves: &[(Option<f64>, Curve)]| curves.iter().map(|(_, curve)| slope(curve)).fold(0.0, f64::max);
-        let end =
-            |curves: &[(Option<f64>, Curve)]| curves.iter().map(|(_, curve)| curve.end()).fold(f64::INFINITY, f64::min);
+        let stiffest = |curves: &[Rated<Curve>]| curves.iter().map(|(_, curve)| slope(curve)).fold(0.0, f64::max);
+        let end = |curves: &[Rated<Curve>]| curves.iter().map(|(_, curve)| curve.end()).fold(f64::INFINITY, f64::min);
         let curves = FabricCurves {
             slopes: [stiffest(&fibres[0]), stiffest(&fibres[1]), slope(fabric.shear())],
             ends: [end(&fibres[0]), end(&fibres[1])],
@@ -262,9 +328,9 @@ impl<'a> Draft<'a> {
         curves
     }
 
-    /// Flow curves along MD by rate of plastic strain (1/s; none where the curve is of no rate, or of the one that was asked for),
-    /// SI: true stress over plastic strain. `tables`: whether the target has curves by rate.
-    pub(crate) fn flow_curves(&mut self, law: &Plastic, tables: bool) -> Result<Vec<(Option<f64>, Sampled)>, Refusal> {
+    /// Flow curves along MD by rate of plastic strain, SI: true stress over plastic strain. `tables`: whether the target has curves
+    /// by rate.
+    pub(crate) fn flow_curves(&mut self, law: &Plastic, tables: bool) -> Result<Vec<Rated<Sampled>>, Refusal> {
         let (request, factor) = (self.request, along_md(law));
         /// Plastic strain up to which Voce's law, which has no end, is written.
         const LAST: f64 = 3.0;
@@ -301,7 +367,7 @@ fn sampling<'a>(curves: impl Iterator<Item = &'a Sampled>) -> Option<Loss> {
     (error > 0.0).then_some(Loss::Sampled { points, error })
 }
 
-fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<(Option<f64>, Curve)>, Refusal> {
+fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<Rated<Curve>>, Refusal> {
     let Some(range) = curves.range() else {
         return Ok(curves.curves().into_iter().map(|(_, curve)| (None, curve)).collect());
     };
@@ -315,7 +381,7 @@ fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<(O
 const RISE: f64 = 1e-5;
 
 /// A curve of which every piece rises.
-pub(crate) fn rising(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(crate) fn rising(mut points: Points) -> Points {
     let first = points.iter().map(|point| point[1]).find(|stress| *stress > 0.0).unwrap_or_default();
     for place in 1..points.len() {
         points[place][1] = points[place][1].max(points[place - 1][1] + RISE * first);
@@ -324,7 +390,7 @@ pub(crate) fn rising(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 /// A curve with a point at `x`, within its pieces.
-pub(crate) fn with_point(points: &[[f64; 2]], x: f64) -> Vec<[f64; 2]> {
+fn with_point(points: &[[f64; 2]], x: f64) -> Points {
     let place = points.partition_point(|point| point[0] < x);
     let mut points = points.to_vec();
     if points.get(place).is_some_and(|point| point[0] > x) {
@@ -334,25 +400,13 @@ pub(crate) fn with_point(points: &[[f64; 2]], x: f64) -> Vec<[f64; 2]> {
 }
 
 /// A curve to both sides of zero.
-pub(crate) fn odd(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn odd(points: &[[f64; 2]]) -> Points {
     let negative = points.iter().rev().filter(|point| point[0] > 0.0).map(|[x, y]| [-x, -y]);
     negative.chain(points.iter().copied()).collect()
 }
 
-/// A fibre's or the shear curve as solvers take it: loading, and unloading from a strain, where there is absorption. Every piece
-/// rises, and both have the point from which film unloads.
-pub(crate) fn paths(curve: &Sampled, from: f64, absorption: f64) -> (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>) {
-    let loading = rising(curve.points.clone());
-    if absorption == 0.0 {
-        return (loading, None);
-    }
-    let loading = with_point(&loading, from);
-    let unloading = rising(unloading(&loading, from, absorption));
-    (loading, Some(unloading))
-}
-
 /// Unloading from the strain `from` of a curve by straight pieces: the curve, compressed towards it (theory.md, equation 8).
-pub(crate) fn unloading(curve: &[[f64; 2]], from: f64, absorption: f64) -> Vec<[f64; 2]> {
+pub(crate) fn unloading(curve: &[[f64; 2]], from: f64, absorption: f64) -> Points {
     let below = curve.iter().copied().filter(|point| point[0] < from);
     let top = [from, at(curve, from)];
     let moved = below.chain([top]).map(|[strain, stress]| [from - (from - strain) * (1.0 - absorption), stress]);

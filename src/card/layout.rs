@@ -1,9 +1,16 @@
 //! Layouts of keywords: the names of the fields of each line, from which lines are written with their comments, and by which cards
 //! are read.
 //!
-//! A line is its names in order, between blanks. `-` is a field that is not used, or a gap; a name that ends with `#` is a whole
-//! number, which has half the columns of a real one in OpenRadioss. A name in small letters says nothing of a film: readers pass
-//! over its value, and warn of any other that they do not know.
+//! A line is its fields in order, between blanks:
+//!
+//! - `NAME`, a value. A name in small letters says nothing of a film: readers pass over its value, and warn of any other that they do
+//!   not know.
+//! - `NAME#`, a whole number, which has half the columns of a real one in OpenRadioss.
+//! - `NAME:quantity`, a number in the unit of the card, which is SI in this program.
+//! - `NAME=text`, a field that is always written so, blank where there is no text.
+//! - `-`, a field that is not used, or a gap.
+
+use super::target::System;
 
 /// The lines of a keyword, in order.
 pub(crate) type Layout = &'static [&'static str];
@@ -23,53 +30,112 @@ pub(crate) enum Field {
     /// Left to its default.
     Blank,
     Whole(i64),
+    /// SI.
     Real(f64),
     Word(&'static str),
 }
 
-/// Name, number of columns before it, and number of its own columns, of each field of a line; a gap has the name `-`.
-pub(crate) fn fields(names: &str, format: Format) -> impl Iterator<Item = (&str, usize, usize)> {
+/// A field as its layout has it.
+#[derive(Clone, Copy)]
+pub(crate) struct Column<'a> {
+    /// `-` is a gap.
+    pub(crate) name: &'a str,
+    quantity: &'a str,
+    constant: Option<&'a str>,
+    /// Number of columns before it, and of its own.
+    pub(crate) from: usize,
+    pub(crate) width: usize,
+}
+
+/// The fields of a line.
+pub(crate) fn columns(line: &str, format: Format) -> impl Iterator<Item = Column<'_>> {
     let mut from = 0;
-    names.split(' ').map(move |written| {
-        let name = written.trim_end_matches('#');
+    line.split(' ').map(move |field| {
+        let (field, constant) = field.split_once('=').map_or((field, None), |(field, text)| (field, Some(text)));
+        let (marked, quantity) = field.split_once(':').unwrap_or((field, ""));
+        let name = marked.trim_end_matches('#');
         let width = match format {
             Format::Equal(width) => width,
-            Format::Mixed if written.ends_with('#') || name == "-" => 10,
+            Format::Mixed if marked.ends_with('#') || name == "-" => 10,
             Format::Mixed => 20,
         };
         from += width;
-        (name, from - width, width)
+        Column { name, quantity, constant, from: from - width, width }
     })
 }
 
-/// A line with its comment: values in the order of the names, gaps left out; behind the last value fields are blank.
-pub(crate) fn line(names: &str, format: Format, values: &[Field]) -> String {
-    let mut values = values.iter().copied();
-    let (mut comment, mut text) = (String::new(), String::new());
-    for (name, _, width) in fields(names, format) {
-        let (shown, value) = match (format, name) {
-            (Format::Equal(_), "-") => (name.to_owned(), Field::Blank),
-            (Format::Mixed, "-") => (String::new(), Field::Blank),
-            (Format::Equal(_), _) => (name.to_lowercase(), values.next().unwrap_or(Field::Blank)),
-            (Format::Mixed, _) => (name.to_uppercase(), values.next().unwrap_or(Field::Blank)),
-        };
-        comment += &format!("{shown:>width$}");
-        text += &format!("{:>width$}", written(value, width));
+impl Column<'_> {
+    /// A value (SI) in the units of a card.
+    fn in_units(&self, value: f64, system: System) -> f64 {
+        let (length, time) = (system.length(), system.time());
+        let mass = system.density() * length.powi(3);
+        match self.quantity {
+            "" => value,
+            "length" => value / length,
+            "time" => value / time,
+            "rate" => value * time,
+            "velocity" => value * time / length,
+            "mass" => value / mass,
+            "inertia" => value / mass / length.powi(2),
+            "density" => value / system.density(),
+            "stress" => value / system.stress(),
+            "stiffness" => value / system.resultant(),
+            other => unreachable!("{other} is no quantity of a layout"),
+        }
     }
-    debug_assert!(values.next().is_none(), "more values than names in {names}");
-    // The mark of a comment stands in the first column of the first name.
-    let mark = if format == Format::Mixed { '#' } else { '$' };
-    format!("{mark}{}\n{}\n", &comment[1..], text.trim_end())
+
+    /// The value (SI) of a number of a card.
+    pub(crate) fn in_si(&self, number: f64, system: System) -> f64 {
+        match self.quantity {
+            "" => number,
+            "time" => number * system.time(),
+            "rate" => number / system.time(),
+            "density" => number * system.density(),
+            "stress" => number * system.stress(),
+            other => unreachable!("{other} is not read"),
+        }
+    }
 }
 
-/// A value in at most so many columns.
-pub(crate) fn written(value: Field, width: usize) -> String {
-    match value {
-        Field::Blank => String::new(),
-        Field::Whole(number) => number.to_string(),
-        Field::Real(value) => in_columns(value, width).unwrap_or_default(),
-        Field::Word(word) => word.to_owned(),
+/// The lines of a layout with their comments: `values` in the order of the fields without a constant; behind the last value such
+/// fields are blank. `None` where a number does not fit its columns; it fits twenty.
+pub(crate) fn lines(layout: Layout, format: Format, system: System, values: &[Field]) -> Option<String> {
+    let mut values = values.iter().copied();
+    let mut text = String::new();
+    for names in layout {
+        let (mut comment, mut line) = (String::new(), String::new());
+        for column in columns(names, format) {
+            let Column { name, constant, width, .. } = column;
+            let shown = match format {
+                Format::Equal(_) => name.to_lowercase(),
+                Format::Mixed if name == "-" => String::new(),
+                Format::Mixed => name.to_uppercase(),
+            };
+            let value = match constant {
+                _ if name == "-" => String::new(),
+                Some(constant) => constant.to_owned(),
+                None => match values.next().unwrap_or(Field::Blank) {
+                    Field::Blank => String::new(),
+                    Field::Whole(number) => number.to_string(),
+                    Field::Real(value) if width == 20 => in_twenty(column.in_units(value, system)),
+                    Field::Real(value) => in_columns(column.in_units(value, system), width)?,
+                    Field::Word(word) => word.to_owned(),
+                },
+            };
+            comment += &format!("{shown:>width$}");
+            line += &format!("{value:>width$}");
+        }
+        // The mark of a comment stands in the first column of the first name.
+        let mark = if format == Format::Mixed { '#' } else { '$' };
+        text += &format!("{mark}{}\n{}\n", &comment[1..], line.trim_end());
     }
+    debug_assert!(values.next().is_none(), "more values than fields in {layout:?}");
+    Some(text)
+}
+
+/// Numbers in so many fields, of which the last ones stay blank.
+pub(crate) fn filled(fields: usize, numbers: impl IntoIterator<Item = f64>) -> impl Iterator<Item = Field> {
+    numbers.into_iter().map(Field::Real).chain(std::iter::repeat(Field::Blank)).take(fields)
 }
 
 /// Largest relative difference of a number that is written from its value.

@@ -39,59 +39,74 @@ pub struct Card {
 /// # Errors
 /// [`Refusal`]: the target cannot hold its law.
 pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Refusal> {
+    let Pieces { head, body, losses } = pieces(film, request)?;
+    let text = match request.target {
+        Target::LsDyna => format!("{head}*KEYWORD\n{body}*END\n"),
+        // The first line tells the reader what follows.
+        Target::OpenRadioss => format!("#RADIOSS STARTER\n{head}{body}/END\n"),
+        // Two hyphens would end a comment.
+        Target::Febio => format!("<!--\n{}-->\n{body}", head.replace("--", "- -")),
+        Target::Abaqus | Target::CalculiX | Target::Curves => head + &body,
+        Target::Kratos => body,
+    };
+    Ok(Card { text, losses })
+}
+
+/// A card without the lines that begin and end a file.
+struct Pieces {
+    /// Lines of comments.
+    head: String,
+    body: String,
+    losses: Vec<Loss>,
+}
+
+fn pieces(film: &Film<'_>, request: &Request) -> Result<Pieces, Refusal> {
     // A name of a stranger's is one line and no keyword.
     let film = &Film { name: &title(film.name), ..film.clone() };
     let mut draft = Draft { film, request, losses: vec![] };
-    let body = match request.target {
-        Target::LsDyna => ls_dyna::write(&mut draft)?,
-        Target::OpenRadioss => openradioss::write(&mut draft)?,
-        Target::Abaqus | Target::CalculiX => abaqus::write(&mut draft)?,
-        Target::Febio => febio::write(&mut draft)?,
-        Target::Kratos => kratos::write(&mut draft)?,
-        Target::Curves => curves::write(&mut draft)?,
+    let (mark, body) = match request.target {
+        Target::LsDyna => ("$ ", ls_dyna::write(&mut draft)?),
+        Target::OpenRadioss => ("# ", openradioss::write(&mut draft)?),
+        Target::Abaqus | Target::CalculiX => ("** ", abaqus::write(&mut draft)?),
+        Target::Febio => ("  ", febio::write(&mut draft)?),
+        Target::Kratos => ("", kratos::write(&mut draft)?),
+        Target::Curves => ("# ", curves::write(&mut draft)?),
     };
-    let text = match request.target {
-        Target::LsDyna => commented("$ ", &draft) + &body,
-        Target::OpenRadioss => {
-            // The first line tells the reader what follows.
-            let (first, rest) = body.split_once('\n').unwrap_or((&body, ""));
-            format!("{first}\n{}{rest}", commented("# ", &draft))
-        }
-        Target::Abaqus | Target::CalculiX => commented("** ", &draft) + &body,
-        // Two hyphens would end a comment.
-        Target::Febio => format!("<!--\n{}-->\n{body}", commented("  ", &draft).replace("--", "- -")),
-        Target::Kratos => body,
-        Target::Curves => commented("# ", &draft) + &body,
-    };
-    Ok(Card { text, losses: draft.losses })
+    Ok(Pieces { head: commented(mark, &head_of_card(&draft)), body, losses: draft.losses })
 }
 
-/// The head as lines of comments.
-fn commented(mark: &str, draft: &Draft<'_>) -> String {
-    head(draft).iter().map(|line| format!("{}\n", format!("{mark}{line}").trim_end())).collect()
+/// Lines of comments.
+fn commented(mark: &str, lines: &[String]) -> String {
+    lines.iter().map(|line| format!("{}\n", format!("{mark}{line}").trim_end())).collect()
 }
 
-/// What a card says of itself: what it was made from, its units and measures, and what it lacks. ASCII, since not every reader
-/// takes more.
-fn head(draft: &Draft<'_>) -> Vec<String> {
+/// What a card says of itself: its thickness and measures, and what it lacks.
+fn head_of_card(draft: &Draft<'_>) -> Vec<String> {
     let Draft { film, request, losses } = draft;
-    let system = request.system;
-    let [mass, length, time, force, stress] = system.words();
-    let thickness = film.material.thickness / system.length();
-    let mut lines =
-        vec![format!("{} for {}, by droptower {}", film.name, request.target.name(), env!("CARGO_PKG_VERSION"))];
-    lines.extend(film.origin.iter().cloned());
-    lines.push(format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", system.name()));
-    lines.push(format!(
+    let [_, length, ..] = request.system.words();
+    let thickness = film.material.thickness / request.system.length();
+    let thickness = format!(
         "thickness of one layer {} {length}; {} layer{}: {} {length}",
         significant(thickness, 6),
         request.layers,
         if request.layers == 1 { "" } else { "s" },
         significant(thickness * f64::from(request.layers), 6)
-    ));
-    lines.push(measures(film, request.target).to_owned());
-    lines.extend(losses.iter().map(Loss::to_string));
-    lines.iter().map(|line| ascii(line)).collect()
+    );
+    let mut about = vec![thickness, measures(film, request.target).to_owned()];
+    about.extend(losses.iter().map(Loss::to_string));
+    head(film.name, film.origin, request, about)
+}
+
+/// What a card or a deck says of itself: what it was made from, its units, and more `about` it. ASCII, since not every reader takes
+/// more.
+fn head(name: &str, origin: &[String], request: &Request, about: Vec<String>) -> Vec<String> {
+    let Request { target, system, .. } = request;
+    let [mass, length, time, force, stress] = system.words();
+    let title = format!("{name} for {}, by droptower {}", target.name(), env!("CARGO_PKG_VERSION"));
+    let units = format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", system.name());
+    let origin = origin.iter().cloned();
+    let lines = std::iter::once(title).chain(origin).chain([units]).chain(about);
+    lines.map(|line| ascii(&line)).collect()
 }
 
 /// The units that the head of a card of droptower's names.

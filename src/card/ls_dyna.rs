@@ -3,265 +3,181 @@
 //! Fields as the keyword classes of pydyna name them (ansys/pydyna, `keyword_classes/auto/mat`). A field has 10 columns, or 20
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
-use super::film::{Draft, Refusal, Request, Sampled, energy, lost_hill, odd, paths, rising, shear_modulus};
-use super::layout::in_columns;
+use super::film::{CurvesBehind, Draft, Points, Rated, Refusal, energy, lost_hill, rising};
 use super::layout::{
     Field,
     Field::{Blank, Real, Whole},
-    Format, Layout, line, written,
+    Format, Layout, filled, in_twenty, lines,
 };
 use super::loss::Loss;
 use super::target::System;
-use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, PronyTerm, Viscosity};
+use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial};
 
 /// Terms of Ogden's law.
 const TERMS: usize = 8;
 
 /// Materials that are written and read; their Prony terms are lines of their own.
-pub(crate) const ELASTIC: Layout = &["mid RO E PR DA DB K"];
+pub(crate) const ELASTIC: Layout = &["mid RO:density E:stress PR DA DB K"];
 pub(crate) const FABRIC: Layout = &[
-    "mid RO ea eb - PRBA PRAB -",
-    "gab - - cse EL PRL LRATIO DAMP",
-    "aopt FLC FAC ELA LNRC FORM FVOPT TSRFAC",
-    "- RGBRTH A0REF a1 a2 a3 x0 x1",
-    "v1 v2 v3 - - - BETA ISREFG",
+    "mid RO:density ea:stress eb:stress - PRBA=0.0 PRAB=0.0 -",
+    "gab:stress - - cse=1.0 EL= PRL= LRATIO= DAMP=",
+    "aopt=2.0 FLC= FAC= ELA= LNRC= FORM FVOPT= TSRFAC=",
+    "- RGBRTH= A0REF= a1 a2 a3=0.0 x0= x1=",
+    "v1= v2= v3= - - - BETA= ISREFG=",
     "LCA LCB LCAB LCUA LCUB LCUAB RL -",
 ];
 /// Of FORM -14.
-pub(crate) const HYSTERETIC: &str = "LCAA LCBB H DT - ECOAT SCOAT TCOAT";
-pub(crate) const POLYNOMIAL: Layout = &["mid RO PR N nv G SIGF REF", "C10 C01 C11 C20 C02 C30 THERML"];
+pub(crate) const HYSTERETIC: &str = "LCAA= LCBB= H DT - ECOAT SCOAT TCOAT";
+pub(crate) const POLYNOMIAL: Layout = &[
+    "mid RO:density PR N=0 nv= G= SIGF= REF=",
+    "C10:stress C01:stress C11:stress=0.0 C20:stress C02:stress=0.0 C30:stress THERML",
+];
 pub(crate) const OGDEN: Layout = &[
-    "mid RO PR N nv G SIGF REF",
-    "MU1 MU2 MU3 MU4 MU5 MU6 MU7 MU8",
+    "mid RO:density PR N=0 nv= G= SIGF= REF=",
+    "MU1:stress MU2:stress MU3:stress MU4:stress MU5:stress MU6:stress MU7:stress MU8:stress",
     "ALPHA1 ALPHA2 ALPHA3 ALPHA4 ALPHA5 ALPHA6 ALPHA7 ALPHA8",
 ];
-pub(crate) const PRONY: &str = "GI BETAI VFLAG";
+pub(crate) const PRONY: &str = "GI:stress BETAI:rate VFLAG";
 pub(crate) const PLASTIC: Layout = &[
-    "mid RO E PR SIGY ETAN FAIL TDEL",
-    "C P LCSS LCSR vp",
+    "mid RO:density E:stress PR SIGY:stress ETAN:stress= FAIL= TDEL=",
+    "C= P= LCSS LCSR= vp",
     "EPS1 EPS2 EPS3 EPS4 EPS5 EPS6 EPS7 EPS8",
-    "ES1 ES2 ES3 ES4 ES5 ES6 ES7 ES8",
+    "ES1:stress ES2:stress ES3:stress ES4:stress ES5:stress ES6:stress ES7:stress ES8:stress",
 ];
-/// Curves and tables, below which their points are.
-pub(crate) const CURVE: &str = "LCID sidr SFA SFO OFFA OFFO dattyp lcint";
-pub(crate) const TABLE: &str = "TBID SFA OFFA";
+/// Curves and tables, below which their points are. A curve is read off at 2000 points: the solver's own 100 would cut the corners.
+pub(crate) const CURVE: &str = "LCID sidr= SFA=1.0 SFO=1.0 OFFA=0.0 OFFO=0.0 dattyp= lcint=2000";
+pub(crate) const TABLE: &str = "TBID SFA=1.0 OFFA=0.0";
 
-/// A keyword and its cards.
-pub(crate) struct Keyword<'a> {
-    pub(crate) name: &'a str,
-    /// In a line of its own.
-    pub(crate) title: Option<&'a str>,
-    /// Names of the fields of each card, and their values.
-    pub(crate) cards: Vec<(&'static str, Vec<Field>)>,
+/// Lines of a keyword with their values.
+pub(crate) type Part = (Layout, Vec<Field>);
+
+/// A keyword with its heading, in a line of its own, and lines with their values: in fields of 10 columns, or of 20 where a number
+/// needs them.
+pub(crate) fn keyword(name: &str, heading: Option<&str>, system: System, parts: &[Part]) -> String {
+    let of_width = |width: usize| -> Option<String> {
+        parts.iter().map(|(layout, values)| lines(layout, Format::Equal(width), system, values)).collect()
+    };
+    let (plus, cards) = match of_width(10) {
+        Some(cards) => ("", cards),
+        None => ("+", of_width(20).unwrap_or_default()),
+    };
+    let heading = heading.map_or_else(String::new, |heading| format!("{heading}\n"));
+    format!("*{name}{plus}\n{heading}{cards}")
 }
 
-impl<'a> Keyword<'a> {
-    /// A keyword with these values in the lines of its layout.
-    pub(crate) fn of(name: &'a str, title: Option<&'a str>, layout: Layout, values: Vec<Vec<Field>>) -> Keyword<'a> {
-        let rest = std::iter::repeat_with(Vec::new);
-        Keyword { name, title, cards: layout.iter().copied().zip(values.into_iter().chain(rest)).collect() }
-    }
-
-    pub(crate) fn text(&self) -> String {
-        let fields = || self.cards.iter().flat_map(|(_, fields)| fields);
-        let is_short = |field: &Field| !matches!(field, Real(value) if in_columns(*value, 10).is_none());
-        let (width, plus) = if fields().all(is_short) { (10, "") } else { (20, "+") };
-        let head = match self.title {
-            Some(title) => format!("*{}_TITLE{plus}\n{title}\n", self.name),
-            None => format!("*{}{plus}\n", self.name),
-        };
-        let lines = self.cards.iter().map(|(names, fields)| line(names, Format::Equal(width), fields));
-        head + &lines.collect::<String>()
-    }
-}
-
-/// The card without its head.
+/// The material and its curves.
 pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
     let law = &draft.film.material.law;
-    let body = match (draft.linear(law), law) {
-        (Some(elastic), _) => isotropic(draft, elastic),
-        (None, Law::Hyperelastic(law)) => rubber(draft, law)?,
-        (None, Law::Plastic(law)) => plastic(draft, law)?,
-        (None, _) => fabric(draft)?,
-    };
-    Ok(format!("*KEYWORD\n{body}*END\n"))
+    match (draft.linear(law), law) {
+        (Some(elastic), _) => Ok(isotropic(draft, elastic)),
+        (None, Law::Hyperelastic(law)) => rubber(draft, law),
+        (None, Law::Plastic(law)) => plastic(draft, law),
+        (None, _) => fabric(draft),
+    }
 }
 
-/// Number and density, with which all materials begin.
-fn number_and_density(draft: &Draft<'_>) -> [Field; 2] {
-    [Whole(draft.request.id.into()), Real(draft.density())]
+/// A material with these values in the fields of its layout behind number and density.
+fn material(draft: &Draft<'_>, name: &str, layout: Layout, values: Vec<Field>, below: Vec<Part>) -> String {
+    let begin = [Whole(draft.request.id.into()), Real(draft.film.material.density)];
+    let mut parts = vec![(layout, [&begin[..], &values].concat())];
+    parts.extend(below);
+    keyword(&format!("{name}_TITLE"), Some(draft.film.name), draft.request.system, &parts)
 }
 
 fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
     draft.losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic, 2.0));
-    let [id, density] = number_and_density(draft);
-    let values = vec![id, density, Real(draft.stress(elastic.young)), Real(elastic.poisson)];
-    Keyword::of("MAT_ELASTIC", Some(draft.film.name), ELASTIC, vec![values]).text()
+    material(draft, "MAT_ELASTIC", ELASTIC, vec![Real(elastic.young), Real(elastic.poisson)], vec![])
 }
 
 /// MAT_034. What follows the curves decides FORM and with it the last cards: -14 with hysteresis, 14 with unloading curves or
 /// without absorption.
 fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
-    let (film, request) = (draft.film, draft.request);
+    let request = draft.request;
     let curves = draft.fabric_curves(true)?;
-    let stress = request.system.stress();
-    let mut numbers = Numbers::of(request);
-    let mut text = String::new();
-    let mut below = vec![];
-    // Unloading is that of the slowest curve, from a strain at which that has a point.
-    let from = curves.ends.map(|end| end.min(request.unloading_from.unwrap_or(f64::INFINITY)));
-    let absorption = if request.unloading_from.is_some() { curves.absorption } else { 0.0 };
-    let mut down = vec![];
-    for ((fibre, name), from) in curves.fibres.iter().zip(["MD", "TD"]).zip(from) {
-        let mut fibre = fibre.clone();
-        fibre.iter_mut().for_each(|(_, curve)| curve.points = rising(std::mem::take(&mut curve.points)));
-        if let Some((_, slowest)) = fibre.first_mut() {
-            let (up, unloading) = paths(slowest, from, absorption);
-            slowest.points = up;
-            down.extend(unloading);
-        }
-        below.push(stresses(name, &fibre, &mut numbers, &mut text, request));
+    let units = [1.0, request.system.stress()];
+    // Unloading is that of the slowest curve. Its curves are those from one strain; without them and without hysteresis film unloads
+    // on its curve.
+    let from = curves.unloading_from(request);
+    let has_paths = request.unloading_from.is_some();
+    let (loading, unloading) = curves.paths(from, if has_paths { curves.absorption } else { 0.0 });
+    let is_hysteretic = !has_paths && curves.absorption > 0.0;
+    let mut behind = CurvesBehind::new(request, define_curve);
+    let mut numbers = vec![];
+    for ((fibre, slowest), name) in curves.fibres.iter().zip(&loading).zip(["MD", "TD"]) {
+        let mut all: Vec<Rated<_>> = fibre.iter().map(|(rate, curve)| (*rate, rising(curve.points.clone()))).collect();
+        all[0].1.clone_from(slowest);
+        numbers.push(stresses(name, &all, &mut behind, request.system));
     }
-    let end = curves.shear.points.last().map_or(0.0, |point| point[0]);
-    let (shear, unloading) = paths(&curves.shear, end, absorption);
-    down.extend(unloading.map(|points| odd(&points)));
-    let title = "shear stress over shear angle (rad)";
-    below.push(Whole(curve(&mut numbers, &mut text, title, &odd(&shear), [1.0, stress])));
-    // Unloading curves are those from one strain; without them and without hysteresis film unloads on its curve.
-    let mut form = 14;
-    let mut hysteresis = 0.0;
-    match request.unloading_from {
-        _ if curves.absorption == 0.0 => {}
-        Some(_) => {
-            draft.losses.push(Loss::UnloadingFrom { md: from[0], td: from[1] });
-            for (points, name) in down.iter().zip(["MD", "TD", "shear"]) {
-                let title = format!("{name}, unloading");
-                below.push(Whole(curve(&mut numbers, &mut text, &title, points, [1.0, stress])));
-            }
-        }
-        None => {
-            (form, hysteresis) = (-14, curves.absorption);
-            draft.losses.push(Loss::Hysteresis { share: curves.absorption });
+    numbers.push(behind.add("shear stress over shear angle (rad)", &loading[2], units));
+    if let Some(unloading) = &unloading {
+        draft.losses.push(Loss::UnloadingFrom { md: from[0], td: from[1] });
+        for (points, name) in unloading.iter().zip(["MD", "TD", "shear"]) {
+            numbers.push(behind.add(&format!("{name}, unloading"), points, units));
         }
     }
+    draft.losses.extend(is_hysteretic.then_some(Loss::Hysteresis { share: curves.absorption }));
     draft.lose_beside_the_law();
-    let [along, across, shear] = curves.slopes.map(|slope| Real(draft.stress(slope)));
-    let md = request.md().map(Real);
-    let [id, density] = number_and_density(draft);
-    let values = vec![
-        vec![id, density, along, across, Real(0.0), Real(0.0)],
-        vec![shear, Real(1.0)],
-        vec![Real(2.0), Blank, Blank, Blank, Blank, Whole(form)],
-        vec![Blank, Blank, md[0], md[1], Real(0.0)],
-        vec![],
-        below,
-    ];
-    let mut keyword = Keyword::of("MAT_FABRIC", Some(film.name), FABRIC, values);
-    keyword.cards.extend((form == -14).then(|| (HYSTERETIC, vec![Blank, Blank, Real(hysteresis)])));
-    Ok(keyword.text() + &text)
-}
-
-/// Numbers of curves, one after the other from a hundred times that of the material on.
-struct Numbers(i64);
-
-impl Numbers {
-    fn of(request: &Request) -> Numbers {
-        Numbers(100 * i64::from(request.id))
-    }
-
-    fn next(&mut self) -> i64 {
-        self.0 += 1;
-        self.0
-    }
-}
-
-/// Adds a curve, whose abscissas and ordinates are divided by `units`; its number.
-fn curve(numbers: &mut Numbers, text: &mut String, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> i64 {
-    let number = numbers.next();
-    *text += &define_curve(number, title, points, units);
-    number
+    let [along, across, shear] = curves.slopes.map(Real);
+    let [x, y] = request.md().map(Real);
+    let mut values = vec![along, across, shear, Whole(if is_hysteretic { -14 } else { 14 }), x, y];
+    values.extend(numbers.into_iter().map(Whole));
+    let below = is_hysteretic.then(|| -> Part { (&[HYSTERETIC], vec![Real(curves.absorption)]) });
+    Ok(material(draft, "MAT_FABRIC", FABRIC, values, below.into_iter().collect()) + &behind.text)
 }
 
 /// A curve, whose abscissas and ordinates are divided by `units`.
 pub(crate) fn define_curve(number: i64, title: &str, points: &[[f64; 2]], units: [f64; 2]) -> String {
-    /// Points of the curve that the solver reads off it: its own 100 would cut the corners.
-    const READ: i64 = 2000;
-    let fields = vec![Whole(number), Blank, Real(1.0), Real(1.0), Real(0.0), Real(0.0), Blank, Whole(READ)];
-    let mut text = format!("$ {title}\n{}", Keyword::of("DEFINE_CURVE", None, &[CURVE], vec![fields]).text());
-    for [x, y] in points {
-        let [x, y] = [x / units[0], y / units[1]].map(|value| written(Real(value), 20));
-        text += &format!("{x:>20}{y:>20}\n");
-    }
-    text
+    let head = keyword("DEFINE_CURVE", None, System::KgMS, &[(&[CURVE], vec![Whole(number)])]);
+    let point = |[x, y]: &[f64; 2]| format!("{:>20}{:>20}\n", in_twenty(x / units[0]), in_twenty(y / units[1]));
+    format!("$ {title}\n{head}{}", points.iter().map(point).collect::<String>())
 }
 
 /// Adds the curves of a fibre set or of flow, several as a table by rate; the number of the curve or the table.
-fn stresses(
-    title: &str,
-    curves: &[(Option<f64>, Sampled)],
-    numbers: &mut Numbers,
-    text: &mut String,
-    request: &Request,
-) -> Field {
-    let units = [1.0, request.system.stress()];
-    if let [(_, only)] = curves {
-        return Whole(curve(numbers, text, title, &only.points, units));
+fn stresses(title: &str, curves: &[Rated<Points>], behind: &mut CurvesBehind, system: System) -> i64 {
+    let units = [1.0, system.stress()];
+    if let [(_, only)] = &curves[..] {
+        return behind.add(title, only, units);
     }
     // The curves of a table follow it, in the order of their rates.
-    let table = numbers.next();
-    let mut rates = String::new();
-    for (rate, _) in curves {
-        let rate = written(Real(rate.unwrap_or_default() * request.system.time()), 20);
-        rates += &format!("{rate:>20}\n");
+    let table = behind.number();
+    let head = keyword("DEFINE_TABLE", None, system, &[(&[TABLE], vec![Whole(table)])]);
+    let rate = |(rate, _): &Rated<Points>| format!("{:>20}\n", in_twenty(rate.unwrap_or_default() * system.time()));
+    behind.text += &format!("$ {title}, by strain rate\n{head}{}", curves.iter().map(rate).collect::<String>());
+    for (rate, points) in curves {
+        behind.add(&format!("{title} at {} 1/s", rate.unwrap_or_default()), points, units);
     }
-    let keyword = Keyword::of("DEFINE_TABLE", None, &[TABLE], vec![vec![Whole(table), Real(1.0), Real(0.0)]]);
-    *text += &format!("$ {title}, by strain rate\n{}{rates}", keyword.text());
-    for (rate, sampled) in curves {
-        let title = format!("{title} at {} 1/s", rate.unwrap_or_default());
-        curve(numbers, text, &title, &sampled.points, units);
-    }
-    Whole(table)
+    table
 }
 
 fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
-    let (film, request) = (draft.film, draft.request);
+    let request = draft.request;
     if matches!(law, HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_)) {
         return Err(request.no_law(energy(law)));
     }
     draft.lose_of_rubber(law);
     draft.lose_rupture_and_heat();
     // Prony moduli are added to the law, which is that of film that has relaxed.
-    let relaxed = film.material.viscosity.as_ref().map_or(1.0, |viscosity| viscosity.instant() * viscosity.long_term());
-    let [id, density] = number_and_density(draft);
-    let head = vec![id, density, Real(request.poisson_of(law)), Whole(0)];
-    let mut keyword = match law {
+    let (relaxed, moduli) = draft.relaxation(law);
+    let mut values = vec![Real(request.poisson_of(law))];
+    let (name, layout) = match law {
         HyperelasticLaw::Polynomial(rubber) => {
-            let Polynomial { first: [c10, c20, c30], second } = rubber.energy;
-            let [c10, c20, c30, c01] = [c10, c20, c30, second].map(|c| Real(draft.stress(relaxed * c)));
-            let coefficients = vec![c10, c01, Real(0.0), c20, Real(0.0), c30];
-            Keyword::of("MAT_HYPERELASTIC_RUBBER", Some(film.name), POLYNOMIAL, vec![head, coefficients])
+            let Polynomial { first: [c10, c20, c30], second: c01 } = rubber.energy;
+            values.extend([c10, c01, c20, c30].map(|c| Real(relaxed * c)));
+            ("MAT_HYPERELASTIC_RUBBER", POLYNOMIAL)
         }
         _ => {
             let terms = request.ogden(law, TERMS)?;
-            let mu = terms.iter().map(|term| Real(draft.stress(relaxed * term.mu))).collect();
-            let alpha = terms.iter().map(|term| Real(term.alpha)).collect();
-            Keyword::of("MAT_OGDEN_RUBBER", Some(film.name), OGDEN, vec![head, mu, alpha])
+            values.extend(filled(TERMS, terms.iter().map(|term| relaxed * term.mu)));
+            values.extend(terms.iter().map(|term| Real(term.alpha)));
+            ("MAT_OGDEN_RUBBER", OGDEN)
         }
     };
-    if let Some(viscosity) = &film.material.viscosity {
-        draft.losses.push(Loss::LinearViscosity);
-        keyword.cards.extend(prony(viscosity, shear_modulus(law), request.system));
-    }
-    Ok(keyword.text())
-}
-
-/// A card for each term: its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
-/// copies it as that), and its decay constant.
-fn prony(viscosity: &Viscosity, shear: f64, system: System) -> impl Iterator<Item = (&'static str, Vec<Field>)> {
-    let instant = viscosity.instant() * shear;
-    let terms = viscosity.terms().iter();
-    let term = move |term: &PronyTerm| [instant * term.share / system.stress(), 1.0 / term.time * system.time()];
-    terms.map(move |of| (PRONY, term(of).map(Real).to_vec()))
+    draft.losses.extend((!moduli.is_empty()).then_some(Loss::LinearViscosity));
+    // For each term its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
+    // copies it as that), and its decay constant.
+    let term = |[modulus, time]: &[f64; 2]| -> Part { (&[PRONY], vec![Real(*modulus), Real(1.0 / time)]) };
+    let prony = moduli.iter().map(term).collect();
+    Ok(material(draft, name, layout, values, prony))
 }
 
 fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
@@ -270,17 +186,13 @@ fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
     draft.losses.extend(lost_hill(law));
     draft.losses.push(Loss::stress_of_volume(law.elastic(), &flow));
     draft.lose_beside_the_law();
-    let (mut numbers, mut text) = (Numbers::of(request), String::new());
-    let title = "true stress over plastic strain";
-    let lcss = stresses(title, &flow, &mut numbers, &mut text, request);
+    let mut behind = CurvesBehind::new(request, define_curve);
+    let flow: Vec<Rated<_>> = flow.into_iter().map(|(rate, curve)| (rate, curve.points)).collect();
+    let curve = stresses("true stress over plastic strain", &flow, &mut behind, request.system);
     // Viscoplastic, so that a table is read at the rate of plastic strain.
-    let vp = if flow.len() > 1 { Real(1.0) } else { Blank };
-    let Elastic { young, poisson } = law.elastic();
-    let yields = flow[0].1.points[0][1];
-    let [id, density] = number_and_density(draft);
-    let values = vec![
-        vec![id, density, Real(draft.stress(*young)), Real(*poisson), Real(draft.stress(yields))],
-        vec![Blank, Blank, lcss, Blank, vp],
-    ];
-    Ok(Keyword::of("MAT_PIECEWISE_LINEAR_PLASTICITY", Some(draft.film.name), PLASTIC, values).text() + &text)
+    let viscoplastic = if flow.len() > 1 { Real(1.0) } else { Blank };
+    let Elastic { young, poisson } = *law.elastic();
+    let [_, first] = flow[0].1[0];
+    let values = vec![Real(young), Real(poisson), Real(first), Whole(curve), viscoplastic];
+    Ok(material(draft, "MAT_PIECEWISE_LINEAR_PLASTICITY", PLASTIC, values, vec![]) + &behind.text)
 }

@@ -12,15 +12,17 @@ mod openradioss;
 
 use thiserror::Error;
 
-use super::film::{Film, Refusal, Request};
+use super::Loss;
+use super::film::{Film, Refusal, Request, WriteCurve};
 use super::target::{System, Target};
-use super::{Loss, ascii};
 use base::number::significant;
 
 pub use body::stress_free;
 pub use finding::{CODES, DeckLoss};
 
 use body::{Mounting, Move, mounting, shares};
+use ls_dyna::LsDyna;
+use openradioss::OpenRadioss;
 
 /// Numbers of the curves of a deck; those of materials begin above 100.
 const MOTION: i64 = 1;
@@ -206,20 +208,83 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
     losses.extend([DeckLoss::Facets { depth: scene.facet_depth() }, DeckLoss::Penalty { inset }]);
     let files = match request.target {
         Target::LsDyna => {
-            let text = ls_dyna::write(&scene, &mut losses);
-            vec![File { name: FILES[0], text: commented("$ ", &scene, &losses, request.target) + &text }]
+            let text = written(&scene, &mut LsDyna::new(&scene, &mut losses)) + "*END\n";
+            vec![File { name: FILES[0], text: head_of_deck("$ ", &scene, &losses, request) + "*KEYWORD\n" + &text }]
         }
         Target::OpenRadioss => {
-            let [starter, engine] = openradioss::write(&scene, &mut losses)?;
-            let head = commented("# ", &scene, &losses, request.target);
+            let starter = written(&scene, &mut OpenRadioss::new(&scene, &mut losses)?) + "/END\n";
+            let head = head_of_deck("# ", &scene, &losses, request);
             vec![
                 File { name: FILES[1], text: format!("#RADIOSS STARTER\n{head}{starter}") },
-                File { name: FILES[2], text: engine },
+                File { name: FILES[2], text: openradioss::engine(&scene) },
             ]
         }
         other => return Err(DeckRefusal::Target(other.name())),
     };
     Ok(Written { files, losses, card_losses: materials.losses })
+}
+
+/// How a solver writes the parts of a deck, in the order in which they stand.
+trait Parts {
+    /// Its curves.
+    const CURVE: WriteCurve;
+
+    /// What stands above the materials.
+    fn begin(&mut self) -> String;
+
+    /// Part, property, nodes and elements of the face at `place`; the first node and element have these numbers.
+    fn face(&mut self, face: &Face<'_>, place: usize, first: [usize; 2]) -> String;
+
+    /// Part, property, material, nodes and elements of a body; moves the numbers of the `next` node and element on.
+    fn body(&mut self, body: &Body, place: usize, next: &mut [usize; 2]) -> String;
+
+    /// Nodes, counted from 0, that never move along an axis.
+    fn fixed(&mut self, axis: usize, nodes: &[usize]) -> String;
+
+    /// The motion to the frame at `place` among all of them.
+    fn moved(&mut self, place: usize, one: &Move) -> String;
+
+    /// The load on all nodes, of which there are so many.
+    fn gravity(&mut self, nodes: usize) -> String;
+
+    /// Contact of the nodes of a face with the body at `place`.
+    fn contact(&mut self, body: &Body, place: usize, face: usize) -> String;
+}
+
+/// The deck without its head and the line that ends it.
+fn written<P: Parts>(scene: &Scene<'_, '_>, parts: &mut P) -> String {
+    let (deck, mounting) = (scene.deck, &scene.mounting);
+    let mut text = parts.begin() + &scene.materials.cards.concat();
+    let mut next = [1; 2];
+    for (place, face) in deck.faces.iter().enumerate() {
+        text += &parts.face(face, place, next);
+        next = [next[0] + face.mounted.len(), next[1] + face.quads.len() + face.tris.len()];
+    }
+    for (place, body) in deck.bodies.iter().enumerate() {
+        text += &parts.body(body, place, &mut next);
+    }
+    for (axis, nodes) in mounting.fixed.iter().enumerate().filter(|(_, nodes)| !nodes.is_empty()) {
+        text += &parts.fixed(axis, nodes);
+    }
+    let curve = |number, title, points: Vec<[f64; 2]>| P::CURVE(number, title, &points, [1.0, 1.0]);
+    if !mounting.moves.is_empty() {
+        text.extend(scene.motions().map(|(number, title, points)| curve(number, title, points)));
+    }
+    for (place, one) in mounting.moves.iter().enumerate() {
+        text += &parts.moved(place, one);
+    }
+    text += &curve(GRAVITY, "gravity", scene.gravity());
+    text += &parts.gravity(next[0] - 1);
+    for (place, body) in deck.bodies.iter().enumerate() {
+        text.extend((0..deck.faces.len()).map(|face| parts.contact(body, place, face)));
+    }
+    text
+}
+
+/// Numbers in columns of ten, so many a line.
+fn listed(numbers: impl IntoIterator<Item = usize>, a_line: usize) -> String {
+    let numbers: Vec<String> = numbers.into_iter().map(|number| format!("{number:>10}")).collect();
+    numbers.chunks(a_line).map(|line| line.concat() + "\n").collect()
 }
 
 /// What the modules of solvers write from.
@@ -260,16 +325,6 @@ impl Scene<'_, '_> {
         self.deck.bodies.iter().map(|body| body.shape.facet_depth(self.rings(body))).fold(0.0, f64::max)
     }
 
-    /// Numbers of the first node and element of each face, and those of the first ones behind all of them, from 1.
-    fn firsts(&self) -> Vec<[usize; 2]> {
-        let ends = self.deck.faces.iter().scan([1; 2], |[node, element], face| {
-            *node += face.mounted.len();
-            *element += face.quads.len() + face.tris.len();
-            Some([*node, *element])
-        });
-        std::iter::once([1; 2]).chain(ends).collect()
-    }
-
     /// Numbers and titles of the curves of the mounting, and their points over time in the units of the deck.
     fn motions(&self) -> [(i64, &'static str, Vec<[f64; 2]>); 2] {
         let (time, end) = (self.time(self.mounting.time), 2.0 * self.time(self.end()));
@@ -292,33 +347,12 @@ impl Scene<'_, '_> {
         time / self.system.time()
     }
 
-    fn velocity(&self, velocity: f64) -> f64 {
-        velocity * self.system.time() / self.system.length()
-    }
-
-    fn acceleration(&self, acceleration: f64) -> f64 {
-        acceleration * self.system.time().powi(2) / self.system.length()
-    }
-
-    fn mass(&self, mass: f64) -> f64 {
-        mass / (self.system.density() * self.system.length().powi(3))
-    }
-
-    /// A stiffness in N/m in the units of the deck.
-    fn stiffness(&self, stiffness: f64) -> f64 {
-        stiffness / (self.system.stress() * self.system.length())
-    }
-
-    fn inertia(&self, inertia: f64) -> f64 {
-        self.mass(inertia) / self.system.length().powi(2)
-    }
-
     /// Points of gravity over time, in the units of the deck: it begins with the test.
     fn gravity(&self) -> Vec<[f64; 2]> {
         /// Share of the time before it within which it rises.
         const RISE: f64 = 1e-4;
         let [g, begin, end] = [
-            self.acceleration(self.deck.gravity),
+            self.deck.gravity * self.system.time().powi(2) / self.system.length(),
             self.time(self.mounting.begin),
             // Beyond the end, so that no solver reads past it.
             2.0 * self.time(self.end()),
@@ -352,41 +386,30 @@ impl Materials {
             let id = found.cards.len() as u32 + 1;
             let request = Request { id, layers: face.layers, md_angle: face.md_angle, ..request.clone() };
             let film = Film { name: &format!("{} {id}", face.film.name), origin: &[], ..face.film.clone() };
-            let card =
-                crate::write(&film, &request).map_err(|refusal| DeckRefusal::Film { face: place + 1, refusal })?;
-            found
-                .losses
-                .extend(card.losses.iter().filter(|loss| !found.losses.contains(loss)).cloned().collect::<Vec<_>>());
-            found.cards.push(within_file(&card.text));
+            let card = crate::pieces(&film, &request);
+            let card = card.map_err(|refusal| DeckRefusal::Film { face: place + 1, refusal })?;
+            let new = card.losses.into_iter().filter(|loss| !found.losses.contains(loss)).collect::<Vec<_>>();
+            found.losses.extend(new);
+            found.cards.push(card.head + &card.body);
             found.of_face.push(id);
         }
         Ok(found)
     }
 }
 
-/// A card without the lines that begin and end a file.
-fn within_file(card: &str) -> String {
-    let framing = ["*KEYWORD", "*END", "/END", "#RADIOSS STARTER"];
-    card.lines().filter(|line| !framing.contains(line)).map(|line| format!("{line}\n")).collect()
-}
-
 /// The head of a deck: what it was made from, its units, what it does and what it lacks.
-fn commented(mark: &str, scene: &Scene<'_, '_>, losses: &[DeckLoss], target: Target) -> String {
-    let [mass, length, time, force, stress] = scene.system.words();
-    let mut lines =
-        vec![format!("{} for {}, by droptower {}", scene.deck.title, target.name(), env!("CARGO_PKG_VERSION"))];
-    lines.extend(scene.deck.origin.iter().cloned());
-    lines.push(format!("units: {} ({mass}, {length}, {time}; {force}, {stress})", scene.system.name()));
-    lines.push(match scene.mounting.time > 0.0 {
+fn head_of_deck(mark: &str, scene: &Scene<'_, '_>, losses: &[DeckLoss], request: &Request) -> String {
+    let [_, _, unit, ..] = scene.system.words();
+    let [time, begin] = [scene.mounting.time, scene.mounting.begin].map(|time| significant(scene.time(time), 6));
+    let mounting = match scene.mounting.time > 0.0 {
         true => format!(
-            "pre-strain by a step of mounting: film is written without stress and moved to the frame until {} {time}; the test \
-             begins at {} {time}",
-            significant(scene.time(scene.mounting.time), 6),
-            significant(scene.time(scene.mounting.begin), 6)
+            "pre-strain by a step of mounting: film is written without stress and moved to the frame until {time} {unit}; the test \
+             begins at {begin} {unit}"
         ),
         false => "no pre-strain: film is written where the frame holds it".to_owned(),
-    });
-    lines.extend(losses.iter().map(DeckLoss::to_string));
-    lines.extend(scene.materials.losses.iter().map(|loss| format!("material: {loss}")));
-    lines.iter().map(|line| format!("{}\n", format!("{mark}{}", ascii(line)).trim_end())).collect()
+    };
+    let losses = losses.iter().map(DeckLoss::to_string);
+    let of_materials = scene.materials.losses.iter().map(|loss| format!("material: {loss}"));
+    let about = std::iter::once(mounting).chain(losses).chain(of_materials).collect();
+    crate::commented(mark, &crate::head(scene.deck.title, scene.deck.origin, request, about))
 }

@@ -3,10 +3,13 @@
 use std::cell::RefCell;
 
 use super::{Mistake, Place, Warning};
-use crate::layout::{Format, Layout, fields};
+use crate::layout::{Column, Format, Layout, columns};
+use crate::target::System;
 
 /// A keyword or a block.
 pub(super) struct Entry<'a> {
+    /// With which its line begins.
+    mark: char,
     /// Upper case: the name of a keyword without `_TITLE` and the mark of its format, or the words between strokes.
     pub(super) words: Vec<String>,
     /// Its line.
@@ -22,13 +25,15 @@ pub(super) struct Row<'a> {
     line: usize,
     text: &'a str,
     format: Format,
+    system: System,
 }
 
 /// A field.
 #[derive(Clone, Copy)]
 pub(super) struct Cell<'a> {
-    pub(super) name: &'static str,
+    column: Column<'static>,
     place: Place,
+    system: System,
     /// Empty where there is none.
     pub(super) text: &'a str,
 }
@@ -45,7 +50,7 @@ const COLUMNS: usize = 100;
 const NEVER: f64 = 1e20;
 
 /// The keywords of a file of LS-DYNA.
-pub(super) fn keywords(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
+pub(super) fn keywords(text: &str, system: System) -> Result<Vec<Entry<'_>>, Mistake> {
     let mut found: Vec<Entry<'_>> = vec![];
     let (mut width, mut awaits_title, mut long_deck) = (SHORT, false, false);
     for (number, line) in (1..).zip(text.lines().map(str::trim_end)).filter(|(_, line)| !line.starts_with('$')) {
@@ -67,7 +72,8 @@ pub(super) fn keywords(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
             if name == "END" {
                 break;
             }
-            found.push(Entry { words: vec![bare.unwrap_or(name).to_owned()], line: number, title: None, rows: vec![] });
+            let words = vec![bare.unwrap_or(name).to_owned()];
+            found.push(Entry { mark: '*', words, line: number, title: None, rows: vec![] });
             continue;
         }
         let Some(keyword) = found.last_mut() else { continue };
@@ -79,13 +85,14 @@ pub(super) fn keywords(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
         let width = if is_point { LONG } else { width };
         // In free format fields are between commas.
         let most = if line.contains(',') { usize::MAX } else { FIELDS * width };
-        keyword.rows.push(Row::of(line, number, Format::Equal(width), most, width)?);
+        let row = Row { line: number, text: line, format: Format::Equal(width), system };
+        keyword.rows.push(row.checked(most, width)?);
     }
     Ok(found)
 }
 
 /// The blocks of a file of OpenRadioss.
-pub(super) fn blocks(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
+pub(super) fn blocks(text: &str, system: System) -> Result<Vec<Entry<'_>>, Mistake> {
     let mut found: Vec<Entry<'_>> = vec![];
     for (number, line) in (1..).zip(text.lines().map(str::trim_end)) {
         if line.starts_with("#include") {
@@ -99,7 +106,7 @@ pub(super) fn blocks(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
             if words[0] == "END" {
                 break;
             }
-            found.push(Entry { words, line: number, title: None, rows: vec![] });
+            found.push(Entry { mark: '/', words, line: number, title: None, rows: vec![] });
             continue;
         }
         let Some(block) = found.last_mut() else { continue };
@@ -107,7 +114,8 @@ pub(super) fn blocks(text: &str) -> Result<Vec<Entry<'_>>, Mistake> {
             block.title = Some(line.trim());
             continue;
         }
-        block.rows.push(Row::of(line, number, Format::Mixed, COLUMNS, 10)?);
+        let row = Row { line: number, text: line, format: Format::Mixed, system };
+        block.rows.push(row.checked(COLUMNS, 10)?);
     }
     Ok(found)
 }
@@ -127,31 +135,39 @@ impl<'a> Entry<'a> {
         &self.words[0]
     }
 
+    /// Its word at `place`; empty where there is none.
+    pub(super) fn word(&self, place: usize) -> &str {
+        self.words.get(place).map_or("", String::as_str)
+    }
+
+    /// Its name as the format has it.
+    pub(super) fn shown(&self) -> String {
+        format!("{}{}", self.mark, self.words.join("/"))
+    }
+
     /// Its line of fields at `place`, from 0.
     pub(super) fn row(&self, place: usize) -> Result<Row<'a>, Mistake> {
-        self.rows.get(place).copied().ok_or_else(|| {
-            let mark = if self.words.len() == 1 { '*' } else { '/' };
-            let keyword = format!("{mark}{}", self.words.join("/"));
-            refused(self.line, 1, format!("{keyword} ends before its card {}", place + 1))
-        })
+        self.rows
+            .get(place)
+            .copied()
+            .ok_or_else(|| refused(self.line, 1, format!("{} ends before its card {}", self.shown(), place + 1)))
     }
 }
 
 impl<'a> Row<'a> {
-    fn of(text: &'a str, line: usize, format: Format, most: usize, width: usize) -> Result<Row<'a>, Mistake> {
-        if let Some(tab) = text.find('\t') {
+    /// The row, which has no tab and at most `most` columns.
+    fn checked(self, most: usize, width: usize) -> Result<Row<'a>, Mistake> {
+        if let Some(tab) = self.text.find('\t') {
             let tabbed = "a tab: in columns it stands for a number of blanks that readers disagree on";
-            return Err(refused(line, text[..tab].chars().count() + 1, tabbed.into()));
+            return Err(refused(self.line, self.text[..tab].chars().count() + 1, tabbed.into()));
         }
-        match text.chars().count() {
-            found if found > most => {
-                let long = format!(
-                    "the line has {found} columns, a card at most {most}: are its fields {width} columns wide?"
-                );
-                Err(refused(line, most + 1, long))
-            }
-            _ => Ok(Row { line, text, format }),
+        let found = self.text.chars().count();
+        if found > most {
+            let long =
+                format!("the line has {found} columns, a card at most {most}: are its fields {width} columns wide?");
+            return Err(refused(self.line, most + 1, long));
         }
+        Ok(self)
     }
 
     /// Whether it has no field.
@@ -159,68 +175,71 @@ impl<'a> Row<'a> {
         self.text.is_empty()
     }
 
-    /// The field at `place` among `names`.
-    pub(super) fn nth(&self, names: &'static str, place: usize) -> Cell<'a> {
-        let name = fields(names, self.format).nth(place).map_or("", |(name, ..)| name);
-        self.cell(names, name)
+    /// The fields called `names`.
+    pub(super) fn cells(self, names: &'static str) -> impl Iterator<Item = Cell<'a>> {
+        let is_free = self.format != Format::Mixed && self.text.contains(',');
+        columns(names, self.format).enumerate().map(move |(place, column)| {
+            let (from, written) = if is_free {
+                let before: usize = self.text.split(',').take(place).map(|field| field.chars().count() + 1).sum();
+                self.text.split(',').nth(place).map_or((0, ""), |field| (before, field))
+            } else {
+                let byte = |place: usize| self.text.char_indices().nth(place).map_or(self.text.len(), |(byte, _)| byte);
+                (column.from, &self.text[byte(column.from)..byte(column.from + column.width)])
+            };
+            let blanks = written.chars().take_while(|c| c.is_whitespace()).count();
+            let place = Place { line: self.line, column: from + blanks % column.width + 1 };
+            Cell { column, place, system: self.system, text: written.trim() }
+        })
     }
 
     /// The field called `name` among `names`.
-    pub(super) fn cell(&self, names: &str, name: &'static str) -> Cell<'a> {
-        let all = fields(names, self.format);
-        let (place, (_, from, width)) =
-            all.enumerate().find(|(_, (own, ..))| own.eq_ignore_ascii_case(name)).expect("a name of the layout");
-        let (column, text) = if self.format != Format::Mixed && self.text.contains(',') {
-            let mut column = 1;
-            let mut all = self.text.split(',').map(|field| {
-                let start = column + field.chars().take_while(|c| c.is_whitespace()).count();
-                column += field.chars().count() + 1;
-                (start, field.trim())
-            });
-            all.nth(place).unwrap_or((1, ""))
-        } else {
-            let byte = |column: usize| self.text.char_indices().nth(column).map_or(self.text.len(), |(byte, _)| byte);
-            let written = &self.text[byte(from)..byte(from + width)];
-            let before = written.chars().take_while(|c| c.is_whitespace()).count();
-            (from + before % width + 1, written.trim())
-        };
-        Cell { name, place: Place { line: self.line, column }, text }
+    pub(super) fn cell(self, names: &'static str, name: &str) -> Cell<'a> {
+        self.cells(names).find(|cell| cell.name().eq_ignore_ascii_case(name)).expect("a name of the layout")
     }
 }
 
 impl Cell<'_> {
+    pub(super) fn name(&self) -> &'static str {
+        self.column.name
+    }
+
     pub(super) fn mistake(&self, message: String) -> Mistake {
         Mistake { place: self.place, message }
     }
 
-    /// A value that a film cannot have.
+    /// A value (in the units of the card) that a film cannot have.
     pub(super) fn outside(&self, value: f64, expected: &'static str) -> Mistake {
-        self.mistake(format!("{} is {value}, expected {expected}", self.name))
+        self.mistake(format!("{} is {value}, expected {expected}", self.name()))
     }
 
     pub(super) fn missing(&self) -> Mistake {
-        self.mistake(format!("{} is missing", self.name))
+        self.mistake(format!("{} is missing", self.name()))
     }
 
-    /// Its number; zero where it is empty.
-    pub(super) fn number(&self) -> Result<f64, Mistake> {
+    /// Its number in the units of the card; zero where it is empty.
+    pub(super) fn written(&self) -> Result<f64, Mistake> {
         match self.text {
             "" => Ok(0.0),
             text if text.starts_with('&') => Err(self.mistake(format!("`{text}` is a parameter: write its value"))),
-            text => number(text).ok_or_else(|| self.mistake(format!("{} is not a number: `{text}`", self.name))),
+            text => number(text).ok_or_else(|| self.mistake(format!("{} is not a number: `{text}`", self.name()))),
         }
     }
 
-    /// Its number, or `default` where that is zero.
+    /// Its number (SI); zero where it is empty.
+    pub(super) fn number(&self) -> Result<f64, Mistake> {
+        Ok(self.column.in_si(self.written()?, self.system))
+    }
+
+    /// Its number (SI), or `default` where that is zero.
     pub(super) fn or(&self, default: f64) -> Result<f64, Mistake> {
         self.number().map(|value| if value == 0.0 { default } else { value })
     }
 
-    /// Its number, which must be above zero.
+    /// Its number (SI), which must be above zero.
     pub(super) fn positive(&self) -> Result<f64, Mistake> {
-        match self.number()? {
+        match self.written()? {
             0.0 => Err(self.missing()),
-            value if value > 0.0 => Ok(value),
+            value if value > 0.0 => self.number(),
             value => Err(self.outside(value, "more than 0")),
         }
     }
@@ -241,8 +260,8 @@ impl Cell<'_> {
     }
 
     /// The warning that its value is not read.
-    pub(super) fn ignored(&self, value: String) -> Warning {
-        Warning::Field { line: self.place.line, name: self.name.to_owned(), value }
+    pub(super) fn ignored(&self, value: impl ToString) -> Warning {
+        Warning::Field { line: self.place.line, name: self.name().to_owned(), value: value.to_string() }
     }
 
     /// Whether it has a value that is neither zero nor a limit that is never reached.
@@ -267,7 +286,7 @@ impl<'e, 'a> Fields<'e, 'a> {
     /// The field of a name of the layout.
     pub(super) fn cell(&self, name: &'static str) -> Result<Cell<'a>, Mistake> {
         self.read.borrow_mut().push(name);
-        let has = |names: &&str| fields(names, Format::Mixed).any(|(own, ..)| own.eq_ignore_ascii_case(name));
+        let has = |names: &&str| columns(names, Format::Mixed).any(|column| column.name.eq_ignore_ascii_case(name));
         let place = self.layout.iter().position(has).expect("a name of the layout");
         Ok(self.entry.row(place)?.cell(self.layout[place], name))
     }
@@ -280,12 +299,11 @@ impl<'e, 'a> Fields<'e, 'a> {
         self.cell(name)?.positive()
     }
 
-    /// All fields of a line of the layout without gaps and whole numbers.
+    /// All fields of a line of the layout.
     pub(super) fn cells(&self, place: usize) -> Result<Vec<Cell<'a>>, Mistake> {
-        let row = self.entry.row(place)?;
-        let names: Vec<&'static str> = self.layout[place].split(' ').collect();
-        self.read.borrow_mut().extend(&names);
-        Ok(names.into_iter().map(|name| row.cell(self.layout[place], name)).collect())
+        let cells: Vec<Cell<'a>> = self.entry.row(place)?.cells(self.layout[place]).collect();
+        self.read.borrow_mut().extend(cells.iter().map(Cell::name));
+        Ok(cells)
     }
 
     /// The row at `place` below those of the layout.
@@ -307,10 +325,9 @@ impl<'e, 'a> Fields<'e, 'a> {
     /// As [`Fields::unread`], of one row with the names of its fields.
     pub(super) fn of_row(&self, names: &'static str, row: &Row<'a>) -> Vec<Warning> {
         let read = self.read.borrow();
-        let says_nothing = |name: &str| name == "-" || name.starts_with(|c: char| c.is_ascii_lowercase());
-        let names_of_film = fields(names, row.format).map(|(name, ..)| name).filter(|name| !says_nothing(name));
-        let cells = names_of_film.filter(|name| !read.contains(name)).map(|name| row.cell(names, name));
-        cells.filter(Cell::says_something).map(|cell| cell.ignored(cell.text.to_owned())).collect()
+        let is_of_film = |name: &str| name != "-" && !name.starts_with(|c: char| c.is_ascii_lowercase());
+        let cells = row.cells(names).filter(|cell| is_of_film(cell.name()) && !read.contains(&cell.name()));
+        cells.filter(Cell::says_something).map(|cell| cell.ignored(cell.text)).collect()
     }
 }
 
@@ -356,7 +373,7 @@ mod tests {
     #[test]
     fn fields_have_their_columns() {
         let text = "$ a comment\r\n*MAT_ELASTIC_TITLE\r\nmy film\r\n         1   9.15-10     200.0\r\n*define_curve+\n1, 0 ,2.0\n";
-        let found = keywords(text).unwrap();
+        let found = keywords(text, System::KgMS).unwrap();
         assert_eq!((found[0].name(), found[0].title, found[0].line), ("MAT_ELASTIC", Some("my film"), 2));
         let fields = Fields::of(&found[0], &["mid RO E PR"]);
         let [density, young, poisson] = ["RO", "E", "PR"].map(|name| fields.number(name));
@@ -373,7 +390,7 @@ mod tests {
         for (text, line, column) in
             [("*MAT_ELASTIC\n         1\t1.0\n", 2, 11), (&long, 2, 81), ("*KEYWORD\n*INCLUDE_PATH\nother.k\n", 2, 1)]
         {
-            let mistake = keywords(text).err().unwrap();
+            let mistake = keywords(text, System::KgMS).err().unwrap();
             assert_eq!(mistake.place, Place { line, column }, "{text}");
         }
     }

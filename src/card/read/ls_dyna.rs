@@ -1,32 +1,29 @@
 //! Materials of LS-DYNA, by the layouts of [`crate::ls_dyna`], which writes them.
 
-use super::entry::{Cell, Entry, Fields, Row};
-use super::{FoundLaw, Mistake, Ordinate, Points, Reader, instantaneous, no_curve};
-use crate::layout::Layout;
+use super::entry::{self, Cell, Entry, Fields, Row};
+use super::{Dialect, FoundLaw, Law, Mistake, Ordinate, Reader, instantaneous, no_curve};
+use crate::film::{Points, Rated};
 use crate::ls_dyna::{CURVE, ELASTIC, FABRIC, HYSTERETIC, OGDEN, PLASTIC, POLYNOMIAL, PRONY, TABLE};
 
-/// Materials that are read, by name and number.
-const MATERIALS: [([&str; 2], Layout); 5] = [
-    (["MAT_FABRIC", "MAT_034"], FABRIC),
-    (["MAT_ELASTIC", "MAT_001"], ELASTIC),
-    (["MAT_HYPERELASTIC_RUBBER", "MAT_077_H"], POLYNOMIAL),
-    (["MAT_OGDEN_RUBBER", "MAT_077_O"], OGDEN),
-    (["MAT_PIECEWISE_LINEAR_PLASTICITY", "MAT_024"], PLASTIC),
-];
+pub(super) const DIALECT: Dialect = Dialect {
+    entries: entry::keywords,
+    materials: &[
+        (["MAT_FABRIC", "MAT_034"], FABRIC, fabric),
+        (["MAT_ELASTIC", "MAT_001"], ELASTIC, elastic),
+        (["MAT_HYPERELASTIC_RUBBER", "MAT_077_H"], POLYNOMIAL, polynomial),
+        (["MAT_OGDEN_RUBBER", "MAT_077_O"], OGDEN, ogden),
+        (["MAT_PIECEWISE_LINEAR_PLASTICITY", "MAT_024"], PLASTIC, plastic),
+    ],
+    name: |entry| entry.name(),
+    number: |entry| entry.row(0).map_or("", |row| row.cell(ELASTIC[0], "mid").text),
+    density: "RO",
+    is_passed_over: |entry| matches!(entry.name(), "KEYWORD" | "TITLE") || is_curve(entry) || is_table(entry),
+    add_curves,
+};
 
 /// A point of a curve, a row of a table, and one of a table of two dimensions.
 const POINT: &str = "A O";
 const OF_TABLE: &str = "VALUE CURVE";
-
-/// The layout of a material that is read.
-pub(super) fn layout(entry: &Entry<'_>) -> Option<Layout> {
-    MATERIALS.iter().find(|(names, _)| names.contains(&entry.name())).map(|(_, layout)| *layout)
-}
-
-/// Whether a keyword says nothing of a film, or is read with one.
-pub(super) fn is_passed_over(entry: &Entry<'_>) -> bool {
-    matches!(entry.name(), "KEYWORD" | "TITLE") || is_curve(entry) || is_table(entry)
-}
 
 fn is_curve(entry: &Entry<'_>) -> bool {
     entry.name() == "DEFINE_CURVE"
@@ -36,13 +33,8 @@ fn is_table(entry: &Entry<'_>) -> bool {
     matches!(entry.name(), "DEFINE_TABLE" | "DEFINE_TABLE_2D")
 }
 
-/// What `wanted` may name: the number of a material.
-pub(super) fn number<'a>(entry: &Entry<'a>) -> &'a str {
-    entry.row(0).map_or("", |row| row.cell(ELASTIC[0], "mid").text)
-}
-
 /// Adds curves and tables as the solver has them: scaled and shifted.
-pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), Mistake> {
+fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), Mistake> {
     for (place, keyword) in all.iter().enumerate().filter(|(_, entry)| is_curve(entry) || is_table(entry)) {
         let head = |name: &'static str| Ok(keyword.row(0)?.cell(if is_curve(keyword) { CURVE } else { TABLE }, name));
         let number = head(if is_curve(keyword) { "LCID" } else { "TBID" })?;
@@ -77,25 +69,12 @@ pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), M
     Ok(())
 }
 
-/// Law, density (in the units of the card) and Prony series of a material.
-pub(super) fn film(reader: &mut Reader, entry: &Entry<'_>, layout: Layout) -> Result<super::Read, Mistake> {
-    let fields = Fields::of(entry, layout);
-    let density = fields.positive("RO")?;
-    let stress = reader.system.stress();
-    let (law, prony) = match layout {
-        FABRIC => (fabric(reader, &fields)?, vec![]),
-        ELASTIC => {
-            let young = fields.positive("E")? * stress;
-            (FoundLaw::Elastic { young, poisson: fields.cell("PR")?.poisson()? }, vec![])
-        }
-        PLASTIC => (plastic(reader, &fields)?, vec![]),
-        _ => rubber(reader, &fields, layout == OGDEN)?,
-    };
-    reader.warnings.extend(fields.unread());
-    Ok((law, density, prony))
+fn elastic(_: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
+    let young = fields.positive("E")?;
+    Ok((FoundLaw::Elastic { young, poisson: fields.cell("PR")?.poisson()? }, vec![]))
 }
 
-fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
+fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     let form = fields.cell("FORM")?;
     let number = form.whole()?.unwrap_or(0);
     if !matches!(number, 14 | -14) {
@@ -108,7 +87,7 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
     let fibres = [fibre("LCA")?, fibre("LCB")?];
     let shear = reader.curve(fields.cell("LCAB")?, units, Ordinate::Shear)?;
     // Of several rates the slowest is the one that unloading curves are of.
-    let slowest = |fibre: &[(Option<f64>, Points)]| fibre.first().map_or_else(Points::new, |(_, curve)| curve.clone());
+    let slowest = |fibre: &[Rated<Points>]| fibre.first().map_or_else(Points::new, |(_, curve)| curve.clone());
     let paths = [("LCUA", Ordinate::Fibre), ("LCUB", Ordinate::Fibre), ("LCUAB", Ordinate::Shear)];
     let loading = [slowest(&fibres[0]), slowest(&fibres[1]), shear.clone()];
     let mut absorption = super::absorption(reader, fields, &loading, paths.map(|(name, kind)| (name, units, kind)));
@@ -122,11 +101,11 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
         let besides = fields.of_row(HYSTERETIC, &row).into_iter().filter(|warning| !warning.is_of("H"));
         reader.warnings.extend(besides);
     }
-    Ok(FoundLaw::Fabric { fibres, shear, absorption })
+    Ok((FoundLaw::Fabric { fibres, shear, absorption }, vec![]))
 }
 
 /// The curve or the table by rate that a field names.
-fn by_rate(reader: &Reader, cell: Cell<'_>, kind: Ordinate) -> Result<Vec<(Option<f64>, Points)>, Mistake> {
+fn by_rate(reader: &Reader, cell: Cell<'_>, kind: Ordinate) -> Result<Vec<Rated<Points>>, Mistake> {
     let units = [1.0, reader.system.stress()];
     let number = cell.whole()?.ok_or_else(|| cell.missing())?;
     let Some(table) = reader.tables.get(&number) else {
@@ -144,42 +123,57 @@ fn by_rate(reader: &Reader, cell: Cell<'_>, kind: Ordinate) -> Result<Vec<(Optio
     table.iter().map(row).collect()
 }
 
-fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>, is_ogden: bool) -> Result<(FoundLaw, Points), Mistake> {
+fn ogden(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
+    unfitted(reader, fields)?;
+    let (law, shear) = super::ogden(fields.cells(1)?, fields.cells(2)?)?;
+    relaxing(reader, fields, law, shear, "MU1")
+}
+
+fn polynomial(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
+    unfitted(reader, fields)?;
+    for name in ["C11", "C02"] {
+        let cell = fields.cell(name)?;
+        if cell.number()? != 0.0 {
+            return Err(cell.mistake(format!("{name} is of an energy that is not known here")));
+        }
+    }
+    let c = |name: &'static str| fields.number(name);
+    let found = [c("C10")?, c("C01")?, c("C20")?, c("C30")?];
+    relaxing(reader, fields, FoundLaw::Polynomial(found), 2.0 * (found[0] + found[1]), "C10")
+}
+
+/// Incompressible film whose constants are those of the card.
+fn unfitted(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<(), Mistake> {
     let fitted = fields.cell("N")?;
     if fitted.number()? != 0.0 {
         return Err(fitted.mistake("N is not 0: constants that the solver fits are not read".into()));
     }
-    reader.incompressible(fields.cell("PR")?)?;
-    let stress = reader.system.stress();
-    let (law, shear, first) = if is_ogden {
-        let (law, shear) = super::ogden(fields.cells(1)?, fields.cells(2)?, stress)?;
-        (law, shear, "MU1")
-    } else {
-        for name in ["C11", "C02"] {
-            let cell = fields.cell(name)?;
-            if cell.number()? != 0.0 {
-                return Err(cell.mistake(format!("{name} is of an energy that is not known here")));
-            }
-        }
-        let c = |name: &'static str| Ok(fields.number(name)? * stress);
-        let found = [c("C10")?, c("C01")?, c("C20")?, c("C30")?];
-        (FoundLaw::Polynomial(found), 2.0 * (found[0] + found[1]), "C10")
-    };
+    reader.incompressible(fields.cell("PR")?)
+}
+
+/// Rubber with this shear modulus, whose first constant has the name `first`, and with the Prony terms below it.
+fn relaxing(
+    reader: &mut Reader,
+    fields: &Fields<'_, '_>,
+    law: FoundLaw,
+    shear: f64,
+    first: &'static str,
+) -> Result<Law, Mistake> {
     if shear <= 0.0 {
         return Err(fields.cell(first)?.mistake("a shear modulus above zero is missing".into()));
     }
     let mut moduli = vec![];
     for row in fields.rest() {
         let [modulus, decay] = ["GI", "BETAI"].map(|name| row.cell(PRONY, name).positive());
-        moduli.push([modulus? * stress, reader.system.time() / decay?]);
+        moduli.push([modulus?, 1.0 / decay?]);
         let flag = row.cell(PRONY, "VFLAG");
-        reader.warnings.extend((flag.number() != Ok(0.0)).then(|| flag.ignored(flag.text.to_owned())));
+        reader.warnings.extend((flag.number() != Ok(0.0)).then(|| flag.ignored(flag.text)));
     }
     Ok(instantaneous(law, shear, &moduli))
 }
 
-fn plastic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
-    let young = fields.positive("E")? * reader.system.stress();
+fn plastic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
+    let young = fields.positive("E")?;
     let curve = fields.cell("LCSS")?;
     let curves = match curve.whole()? {
         Some(_) => {
@@ -187,18 +181,17 @@ fn plastic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mis
             fields.number("SIGY")?;
             by_rate(reader, curve, Ordinate::Flow)?
         }
-        None => vec![(None, tabulated(reader, fields, young)?)],
+        None => vec![(None, tabulated(fields, young)?)],
     };
     let poisson = fields.cell("PR")?.poisson()?;
-    Ok(FoundLaw::Plastic { young, poisson, curves, hill: None })
+    Ok((FoundLaw::Plastic { young, poisson, curves, hill: None }, vec![]))
 }
 
 /// Hardening by points of the material itself, or by a tangent modulus.
-fn tabulated(reader: &Reader, fields: &Fields<'_, '_>, young: f64) -> Result<Points, Mistake> {
-    let stress = reader.system.stress();
-    let initial = fields.positive("SIGY")? * stress;
+fn tabulated(fields: &Fields<'_, '_>, young: f64) -> Result<Points, Mistake> {
+    let initial = fields.positive("SIGY")?;
     if let (Ok(strains), Ok(stresses)) = (fields.cells(2), fields.cells(3)) {
-        let point = |(x, y): (&Cell<'_>, &Cell<'_>)| Ok([x.number()?, y.number()? * stress]);
+        let point = |(x, y): (&Cell<'_>, &Cell<'_>)| Ok([x.number()?, y.number()?]);
         let points: Points = strains.iter().zip(&stresses).map(point).collect::<Result<_, Mistake>>()?;
         // Strains after the last one are left out.
         let count = 1 + points.windows(2).take_while(|ends| ends[1][0] > ends[0][0]).count();
@@ -210,9 +203,9 @@ fn tabulated(reader: &Reader, fields: &Fields<'_, '_>, young: f64) -> Result<Poi
         }
     }
     let cell = fields.cell("ETAN")?;
-    let tangent = cell.number()? * stress;
+    let tangent = cell.number()?;
     if !(0.0..young).contains(&tangent) {
-        return Err(cell.outside(tangent / stress, "0 to less than E"));
+        return Err(cell.outside(cell.written()?, "0 to less than E"));
     }
     Ok(vec![[0.0, initial], [1.0, initial + young * tangent / (young - tangent)]])
 }

@@ -14,9 +14,10 @@ use entry::{Cell, Entry, Fields};
 
 use super::layout::Layout;
 use super::target::System;
-use crate::film::{at, unloading};
+use crate::film::{Rated, at, unloading};
 use base::findings;
 
+pub use crate::film::Points;
 pub use text::material;
 
 /// A film that was read, SI.
@@ -38,7 +39,7 @@ pub enum FoundLaw {
     /// Two fibre sets and shear.
     Fabric {
         /// MD and TD: rate (1/s; none where there is one curve) and points of engineering strain and nominal stress (Pa).
-        fibres: [Vec<(Option<f64>, Points)>; 2],
+        fibres: [Vec<Rated<Points>>; 2],
         /// Shear stress (Pa) over shear angle (rad).
         shear: Points,
         /// Share of the stored energy that is lost on unloading.
@@ -62,14 +63,11 @@ pub enum FoundLaw {
         /// Poisson's ratio.
         poisson: f64,
         /// Rate (1/s; none where there is one curve) and points of plastic strain and true stress (Pa).
-        curves: Vec<(Option<f64>, Points)>,
+        curves: Vec<Rated<Points>>,
         /// Hill's yield function by Lankford values at 0, 45 and 90° from MD; none for von Mises'.
         hill: Option<[f64; 3]>,
     },
 }
-
-/// Points of a curve.
-pub type Points = Vec<[f64; 2]>;
 
 /// A card that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,6 +132,28 @@ pub struct Mistake {
     pub message: String,
 }
 
+/// A format of cards.
+struct Dialect {
+    /// Its keywords with their lines.
+    entries: fn(&str, System) -> Result<Vec<Entry<'_>>, Mistake>,
+    /// Names, fields and law of each material that is read.
+    materials: &'static [([&'static str; 2], Layout, ReadLaw)],
+    /// What names the kind of a material, and its number.
+    name: for<'e> fn(&'e Entry<'_>) -> &'e str,
+    number: for<'e> fn(&'e Entry<'_>) -> &'e str,
+    /// The name of its density.
+    density: &'static str,
+    /// Whether a keyword says nothing of a film, or is read with one.
+    is_passed_over: fn(&Entry<'_>) -> bool,
+    /// Adds curves and tables.
+    add_curves: fn(&mut Reader, &[Entry<'_>]) -> Result<(), Mistake>,
+}
+
+/// A law and its Prony series.
+type Law = (FoundLaw, Vec<[f64; 2]>);
+
+type ReadLaw = fn(&mut Reader, &Fields<'_, '_>) -> Result<Law, Mistake>;
+
 /// Reads the film of a card in the units of `system`; of several materials the one whose number or title is `wanted`, else the
 /// first.
 ///
@@ -143,37 +163,30 @@ pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading,
     let nowhere = |message: String| Mistake { place: Place { line: 1, column: 1 }, message };
     let no_card = || nowhere("this is no card: no line begins with a keyword of LS-DYNA or OpenRadioss".into());
     let first = card.lines().find_map(|line| line.chars().next().filter(|first| ['*', '/'].contains(first)));
-    let is_dyna = first.ok_or_else(no_card)? == '*';
-    let all = if is_dyna { entry::keywords(card)? } else { entry::blocks(card)? };
-    let layout = |entry: &Entry<'_>| if is_dyna { ls_dyna::layout(entry) } else { openradioss::layout(entry) };
-    let known: Vec<(&Entry<'_>, Layout)> = all.iter().filter_map(|entry| Some((entry, layout(entry)?))).collect();
-    let number = |entry: &Entry<'_>| match is_dyna {
-        true => ls_dyna::number(entry).to_owned(),
-        false => entry.words.get(2).cloned().unwrap_or_default(),
+    let dialect = if first.ok_or_else(no_card)? == '*' { ls_dyna::DIALECT } else { openradioss::DIALECT };
+    let all = (dialect.entries)(card, system)?;
+    let material =
+        |entry: &Entry<'_>| dialect.materials.iter().find(|(names, ..)| names.contains(&(dialect.name)(entry)));
+    let known: Vec<_> = all.iter().filter_map(|entry| Some((entry, material(entry)?))).collect();
+    let is_wanted = |entry: &Entry<'_>| {
+        wanted.is_none_or(|wanted| entry.title == Some(wanted) || (dialect.number)(entry) == wanted)
     };
-    let named = |(entry, _): &&(&Entry<'_>, Layout)| {
-        wanted.is_none_or(|wanted| entry.title == Some(wanted) || number(entry) == wanted)
-    };
-    let (entry, of_it) = *known.iter().find(named).ok_or_else(|| match (wanted, known.is_empty()) {
-        (Some(wanted), false) => nowhere(format!("there is no material {wanted}")),
-        _ => nowhere("there is no material that is known here".into()),
-    })?;
+    let (entry, (_, layout, law)) =
+        *known.iter().find(|(entry, _)| is_wanted(entry)).ok_or_else(|| match (wanted, known.is_empty()) {
+            (Some(wanted), false) => nowhere(format!("there is no material {wanted}")),
+            _ => nowhere("there is no material that is known here".into()),
+        })?;
     let mut reader = Reader { system, curves: BTreeMap::new(), tables: BTreeMap::new(), warnings: vec![] };
-    let is_passed_over = if is_dyna { ls_dyna::is_passed_over } else { openradioss::is_passed_over };
-    let others = all.iter().filter(|entry| layout(entry).is_none() && !is_passed_over(entry));
-    let mark = if is_dyna { "*" } else { "/" };
-    let ignored =
-        others.map(|entry| Warning::Keyword { line: entry.line, name: format!("{mark}{}", entry.words.join("/")) });
-    reader.warnings.extend(ignored);
-    let (law, density, prony) = if is_dyna {
-        ls_dyna::add_curves(&mut reader, &all)?;
-        ls_dyna::film(&mut reader, entry, of_it)?
-    } else {
-        openradioss::add_curves(&mut reader, &all)?;
-        openradioss::film(&mut reader, entry, of_it)?
-    };
-    let name = entry.title.filter(|title| !title.is_empty()).map_or_else(|| number(entry), str::to_owned);
-    let film = Found { name, density: density * system.density(), law, prony };
+    let others = all.iter().filter(|entry| material(entry).is_none() && !(dialect.is_passed_over)(entry));
+    reader.warnings.extend(others.map(|entry| Warning::Keyword { line: entry.line, name: entry.shown() }));
+    (dialect.add_curves)(&mut reader, &all)?;
+    let fields = Fields::of(entry, layout);
+    let density = fields.positive(dialect.density)?;
+    let (law, prony) = law(&mut reader, &fields)?;
+    reader.warnings.extend(fields.unread());
+    let title = entry.title.filter(|title| !title.is_empty());
+    let name = title.unwrap_or_else(|| (dialect.number)(entry)).to_owned();
+    let film = Found { name, density, law, prony };
     if known.len() > 1 {
         reader.warnings.push(Warning::Others { read: film.name.clone(), others: known.len() - 1 });
     }
@@ -182,9 +195,6 @@ pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading,
 
 /// Least Poisson's ratio that stands for incompressible film.
 const INCOMPRESSIBLE: f64 = 0.49;
-
-/// Law, density in the units of the card, and Prony series of a material.
-type Read = (FoundLaw, f64, Vec<[f64; 2]>);
 
 /// Reads one material.
 struct Reader {
@@ -213,8 +223,7 @@ impl Reader {
     /// Warns of a Poisson's ratio that is not that of incompressible film.
     fn incompressible(&mut self, poisson: Cell<'_>) -> Result<(), Mistake> {
         let value = poisson.number()?;
-        self.warnings
-            .extend((value != 0.0 && value < INCOMPRESSIBLE).then(|| poisson.ignored(poisson.text.to_owned())));
+        self.warnings.extend((value != 0.0 && value < INCOMPRESSIBLE).then(|| poisson.ignored(poisson.text)));
         Ok(())
     }
 }
@@ -225,8 +234,8 @@ fn no_curve(number: i64) -> String {
 }
 
 /// Ogden's energy of the terms that are not zero, and its shear modulus.
-fn ogden(mu: Vec<Cell<'_>>, alpha: Vec<Cell<'_>>, stress: f64) -> Result<(FoundLaw, f64), Mistake> {
-    let term = |(mu, alpha): (Cell<'_>, Cell<'_>)| Ok([mu.number()? * stress, alpha.number()?]);
+fn ogden(mu: Vec<Cell<'_>>, alpha: Vec<Cell<'_>>) -> Result<(FoundLaw, f64), Mistake> {
+    let term = |(mu, alpha): (Cell<'_>, Cell<'_>)| Ok([mu.number()?, alpha.number()?]);
     let mut terms = mu.into_iter().zip(alpha).map(term).collect::<Result<Vec<[f64; 2]>, _>>()?;
     terms.retain(|[mu, alpha]| mu * alpha != 0.0);
     let shear = 0.5 * terms.iter().map(|[mu, alpha]| mu * alpha).sum::<f64>();
@@ -235,7 +244,7 @@ fn ogden(mu: Vec<Cell<'_>>, alpha: Vec<Cell<'_>>, stress: f64) -> Result<(FoundL
 
 /// The law of film strained at once, of which Prony shares are taken here, and its series (s), from that of relaxed film with
 /// this shear modulus and the Prony moduli beside it (Pa, s).
-fn instantaneous(law: FoundLaw, shear: f64, moduli: &[[f64; 2]]) -> (FoundLaw, Vec<[f64; 2]>) {
+fn instantaneous(law: FoundLaw, shear: f64, moduli: &[[f64; 2]]) -> Law {
     let instant = shear + moduli.iter().map(|[modulus, _]| modulus).sum::<f64>();
     let prony = moduli.iter().map(|[modulus, time]| [modulus / instant, *time]).collect();
     let factor = instant / shear;
@@ -314,6 +323,6 @@ fn absorption(
     }
     let cells = paths.iter().filter_map(|(name, ..)| fields.cell(name).ok());
     let written = cells.filter(|cell| cell.number() != Ok(0.0));
-    reader.warnings.extend(written.map(|cell| cell.ignored(cell.text.to_owned())));
+    reader.warnings.extend(written.map(|cell| cell.ignored(cell.text)));
     0.0
 }

@@ -2,40 +2,39 @@
 
 use std::f64::consts::PI;
 
-use super::entry::{Cell, Entry, Fields, Row};
-use super::{FoundLaw, Mistake, Ordinate, Place, Points, Reader, instantaneous};
-use crate::layout::Layout;
+use super::entry::{self, Cell, Entry, Fields, Row};
+use super::{Dialect, FoundLaw, Law, Mistake, Ordinate, Place, Reader, instantaneous};
+use crate::film::Points;
 use crate::openradioss::{
     LAW19, LAW36, LAW42, LAW43, LAW58, OF_FUNCTIONS, OF_MODULI, OF_RATE, OF_RATES, OF_SCALES, OF_TIMES, POINT,
 };
 
-/// Laws that are read, by number and name.
-const LAWS: [([&str; 2], Layout); 5] = [
-    (["LAW19", "FABRI"], LAW19),
-    (["LAW36", "PLAS_TAB"], LAW36),
-    (["LAW42", "OGDEN"], LAW42),
-    (["LAW43", "HILL_TAB"], LAW43),
-    (["LAW58", "FABR_A"], LAW58),
-];
+pub(super) const DIALECT: Dialect = Dialect {
+    entries: entry::blocks,
+    materials: &[
+        (["LAW19", "FABRI"], LAW19, orthotropic),
+        (["LAW36", "PLAS_TAB"], LAW36, by_table),
+        (["LAW42", "OGDEN"], LAW42, rubber),
+        (["LAW43", "HILL_TAB"], LAW43, by_hill),
+        (["LAW58", "FABR_A"], LAW58, fabric),
+    ],
+    name: |entry| if entry.name() == "MAT" { entry.word(1) } else { "" },
+    number: |entry| entry.word(2),
+    density: "RHO_I",
+    is_passed_over: is_function,
+    add_curves,
+};
 
 /// rad.
 const DEGREES: f64 = PI / 180.0;
 
-/// The layout of a material that is read.
-pub(super) fn layout(entry: &Entry<'_>) -> Option<Layout> {
-    let [kind, name, ..] = &entry.words[..] else { return None };
-    let found = LAWS.iter().find(|(names, _)| kind == "MAT" && names.contains(&name.as_str()));
-    found.map(|(_, layout)| *layout)
-}
-
-/// Whether a block is read with a material.
-pub(super) fn is_passed_over(entry: &Entry<'_>) -> bool {
+fn is_function(entry: &Entry<'_>) -> bool {
     entry.name() == "FUNCT"
 }
 
 /// Adds the functions of a card.
-pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), Mistake> {
-    for block in all.iter().filter(|entry| is_passed_over(entry)) {
+fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), Mistake> {
+    for block in all.iter().filter(|entry| is_function(entry)) {
         let place = Place { line: block.line, column: 1 };
         let message = "the number of the function is missing".to_owned();
         let number = block.words.get(1).and_then(|number| number.parse().ok()).ok_or(Mistake { place, message })?;
@@ -45,29 +44,14 @@ pub(super) fn add_curves(reader: &mut Reader, all: &[Entry<'_>]) -> Result<(), M
     Ok(())
 }
 
-/// Law, density (in the units of the card) and Prony series of a material.
-pub(super) fn film(reader: &mut Reader, entry: &Entry<'_>, layout: Layout) -> Result<super::Read, Mistake> {
-    let fields = Fields::of(entry, layout);
-    let density = fields.positive("RHO_I")?;
-    let (law, prony) = match layout {
-        LAW58 => (fabric(reader, &fields)?, vec![]),
-        LAW42 => rubber(reader, &fields)?,
-        LAW19 => (orthotropic(reader, &fields)?, vec![]),
-        LAW36 => (by_table(reader, &fields)?, vec![]),
-        _ => (by_hill(reader, &fields)?, vec![]),
-    };
-    reader.warnings.extend(fields.unread());
-    Ok((law, density, prony))
-}
-
-fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
+fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     /// Crimp of straight fibres, and the one that the solver takes for zero.
     const STRAIGHT: f64 = 1e-3;
     const CRIMP: f64 = 0.1;
     for name in ["S1", "S2"] {
         let cell = fields.cell(name)?;
         let crimp = cell.or(CRIMP)?;
-        reader.warnings.extend((crimp > STRAIGHT).then(|| cell.ignored(crimp.to_string())));
+        reader.warnings.extend((crimp > STRAIGHT).then(|| cell.ignored(crimp)));
     }
     let stress = reader.system.stress();
     let scaled = |unit: f64, scale: &'static str| -> Result<[f64; 2], Mistake> {
@@ -92,11 +76,11 @@ fn fabric(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mist
             _ => 0.0,
         };
     let [md, td, shear] = loading;
-    Ok(FoundLaw::Fabric { fibres: [vec![(None, md)], vec![(None, td)]], shear, absorption })
+    Ok((FoundLaw::Fabric { fibres: [vec![(None, md)], vec![(None, td)]], shear, absorption }, vec![]))
 }
 
 /// Linear film, which must be the same along both directions.
-fn orthotropic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
+fn orthotropic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     let [e11, e22, shear] = ["E11", "E22", "G12"].map(|name| fields.positive(name));
     let (e11, e22, shear, poisson) = (e11?, e22?, shear?, fields.number("NU12")?);
     let is_isotropic = (e11 / e22 - 1.0).abs() < 1e-5 && (shear * (2.0 + 2.0 * poisson) / e11 - 1.0).abs() < 1e-5;
@@ -108,46 +92,52 @@ fn orthotropic(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw,
     let reduction = fields.cell("R_E")?;
     let reduced = reduction.number()?;
     let is_ignored = reduced != 1.0 && reduced != 0.0;
-    reader.warnings.extend(is_ignored.then(|| reduction.ignored(reduction.text.to_owned())));
-    Ok(FoundLaw::Elastic { young: e11 * reader.system.stress(), poisson })
+    reader.warnings.extend(is_ignored.then(|| reduction.ignored(reduction.text)));
+    Ok((FoundLaw::Elastic { young: e11, poisson }, vec![]))
 }
 
-fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<(FoundLaw, Points), Mistake> {
+fn rubber(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     reader.incompressible(fields.cell("NU")?)?;
-    let stress = reader.system.stress();
     // Until 2025 the second line of each five was blank.
     let both = |first: usize| Ok([fields.cells(first)?, fields.cells(first + 1)?].concat());
-    let (law, shear) = super::ogden(both(2)?, both(4)?, stress)?;
+    let (law, shear) = super::ogden(both(2)?, both(4)?)?;
     if shear <= 0.0 {
         return Err(fields.cell("MU_1")?.mistake("a shear modulus above zero is missing".into()));
     }
     let count = fields.cell("M")?.whole()?.unwrap_or(0).clamp(0, 100) as usize;
-    let rows = count.div_ceil(5);
     let term = |i: usize| {
-        let modulus = fields.below(i / 5)?.nth(OF_MODULI, i % 5);
-        let time = fields.below(rows + i / 5)?.nth(OF_TIMES, i % 5);
-        Ok([modulus.positive()? * stress, time.positive()? * reader.system.time()])
+        let [modulus, time] = [of_fives(fields, 0, count, OF_MODULI, i)?, of_fives(fields, 1, count, OF_TIMES, i)?];
+        Ok([modulus.positive()?, time.positive()?])
     };
     let moduli: Vec<[f64; 2]> = (0..count).map(term).collect::<Result<_, Mistake>>()?;
     Ok(instantaneous(law, shear, &moduli))
 }
 
+/// Value `i` of the list at `place` of those that stand below a material, of `count` values each in lines of five.
+fn of_fives<'a>(
+    fields: &Fields<'_, 'a>,
+    place: usize,
+    count: usize,
+    names: &'static str,
+    i: usize,
+) -> Result<Cell<'a>, Mistake> {
+    let row = fields.below(place * count.div_ceil(5) + i / 5)?;
+    Ok(row.cells(names).nth(i % 5).expect("five names"))
+}
+
 /// LAW36: von Mises.
-fn by_table(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
+fn by_table(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     let counted = fields.cell("N_FUNCT")?;
     let count = counted.whole()?.unwrap_or(0).clamp(0, 100) as usize;
     if count == 0 {
         return Err(counted.missing());
     }
-    let rows = count.div_ceil(5);
     let of_row = |i: usize| {
-        let cell = |line: usize, names: &'static str| -> Result<Cell<'_>, Mistake> {
-            Ok(fields.below(line * rows + i / 5)?.nth(names, i % 5))
-        };
+        let cell = |place: usize, names: &'static str| of_fives(fields, place, count, names, i);
         row(reader, cell(0, OF_FUNCTIONS)?, cell(1, OF_SCALES)?.or(1.0)?, cell(2, OF_RATES)?)
     };
     let found = (0..count).map(of_row).collect::<Result<Vec<_>, Mistake>>()?;
-    plastic(reader, fields, found, None)
+    plastic(fields, found, None)
 }
 
 /// A flow curve with its rate.
@@ -156,7 +146,7 @@ fn row(reader: &Reader, function: Cell<'_>, scale: f64, rate: Cell<'_>) -> Resul
 }
 
 /// LAW43: Hill's yield function by Lankford values.
-fn by_hill(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mistake> {
+fn by_hill(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     let [r0, r45, r90] = ["R00", "R45", "R90"].map(|name| fields.positive(name));
     let r = [r0?, r45?, r90?];
     // Without I_YIELD0 the curve is the mean of all directions, and that of MD the one below.
@@ -173,19 +163,14 @@ fn by_hill(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<FoundLaw, Mis
     };
     fields.below(0)?;
     let found = fields.rest().filter(|row| !row.is_blank()).map(of_row).collect::<Result<Vec<_>, Mistake>>()?;
-    plastic(reader, fields, found, Some(r))
+    plastic(fields, found, Some(r))
 }
 
 /// Flow curves with their rates, as a table where there are several.
-fn plastic(
-    reader: &Reader,
-    fields: &Fields<'_, '_>,
-    rows: Vec<(Points, f64)>,
-    hill: Option<[f64; 3]>,
-) -> Result<FoundLaw, Mistake> {
-    let young = fields.positive("E")? * reader.system.stress();
+fn plastic(fields: &Fields<'_, '_>, rows: Vec<(Points, f64)>, hill: Option<[f64; 3]>) -> Result<Law, Mistake> {
+    let young = fields.positive("E")?;
     let poisson = fields.cell("NU")?.poisson()?;
     let is_one = rows.len() == 1;
-    let rated = |(points, rate): (Points, f64)| ((!is_one).then_some(rate / reader.system.time()), points);
-    Ok(FoundLaw::Plastic { young, poisson, curves: rows.into_iter().map(rated).collect(), hill })
+    let curves = rows.into_iter().map(|(points, rate)| ((!is_one).then_some(rate), points)).collect();
+    Ok((FoundLaw::Plastic { young, poisson, curves, hill }, vec![]))
 }

@@ -1,6 +1,7 @@
 //! A film that was read as a material file.
 
-use super::{Found, FoundLaw, Points};
+use super::{Found, FoundLaw};
+use crate::film::{Points, Rated};
 use crate::layout;
 
 /// A number with the digits that survive a change of units.
@@ -64,7 +65,7 @@ fn law(law: &FoundLaw) -> String {
     }
 }
 
-fn fibre(name: &str, curves: &[(Option<f64>, Points)]) -> String {
+fn fibre(name: &str, curves: &[Rated<Points>]) -> String {
     if let [(None, only)] = curves {
         return format!("{name} = {{ curve = {} }}\n", points(only));
     }
@@ -72,8 +73,8 @@ fn fibre(name: &str, curves: &[(Option<f64>, Points)]) -> String {
 }
 
 /// The curves of several rates, a line each.
-fn rows(curves: &[(Option<f64>, Points)]) -> String {
-    let row = |(rate, curve): &(Option<f64>, Points)| {
+fn rows(curves: &[Rated<Points>]) -> String {
+    let row = |(rate, curve): &Rated<Points>| {
         format!("    {{ rate = \"{} 1/s\", curve = {} }},\n", whole(rate.unwrap_or_default()), points(curve))
     };
     curves.iter().map(row).collect()
