@@ -86,6 +86,7 @@ fn material(draft: &Draft<'_>, name: &str, layout: Layout, values: Vec<Field>, b
 
 fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
     draft.losses.push(Loss::strain_measure("*MAT_ELASTIC, hypoelastic", elastic, 2.0));
+    draft.lose_beside_the_law();
     material(draft, "MAT_ELASTIC", ELASTIC, vec![Real(elastic.young), Real(elastic.poisson)], vec![])
 }
 

@@ -371,7 +371,8 @@ fn a_target_without_the_law_refuses_it() {
 fn cards_say_that_heat_is_lost() {
     let viscous = Viscosity::new(vec![PronyTerm { share: 0.3, time: 0.01 }]).unwrap();
     let rubber = Material { viscosity: Some(viscous), ..polynomial(Polynomial::neo_hookean(4e5)) };
-    for cold in [fabric(0.4), plastic(Hill::from_strain_ratios([1.0; 3]), FlowRate::Independent), rubber] {
+    let elastic = film_of(Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }));
+    for cold in [fabric(0.4), plastic(Hill::from_strain_ratios([1.0; 3]), FlowRate::Independent), rubber, elastic] {
         let film = Material { thermal: Some(Thermal { capacity: 2e6, softening: 8e-3 }), ..cold };
         let mut cards = 0;
         for target in Target::ALL {
