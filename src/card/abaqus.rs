@@ -3,17 +3,18 @@
 //! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first, as connectors have their force
 //! before the motion (Keywords Reference 2017, *UNLOADING DATA); of fabric itself that is from memory.
 
-use super::film::{Draft, Refusal, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
+use super::film::{Draft, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
 use super::layout::in_twenty;
 use super::loss::Loss;
 use super::target::Target;
+use base::diagnostic::Diagnostic;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial, Viscosity};
 
 /// Values of a line of data.
 const MOST: usize = 8;
 
 /// The card without its head.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let law = &draft.film.material.law;
     let law = match (draft.linear(law), law) {
         (Some(elastic), _) => isotropic(draft, elastic),
@@ -51,7 +52,7 @@ fn elastic(draft: &Draft<'_>, law: &Elastic) -> String {
     keyword("ELASTIC", [vec![draft.stress(law.young), law.poisson]])
 }
 
-fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     if draft.request.target == Target::CalculiX {
         return Err(draft.request.no_law("fabric"));
     }
@@ -71,7 +72,7 @@ fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
     Ok(text)
 }
 
-fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagnostic> {
     let request = draft.request;
     let viscosity = draft.film.material.viscosity.as_ref();
     // CalculiX has no relaxation: its film is the one of the law as it is written.
@@ -118,7 +119,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
     Ok(potential + &relaxation)
 }
 
-fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Diagnostic> {
     let has_hill = draft.request.target == Target::Abaqus;
     let hill = lost_hill(law);
     draft.losses.extend(hill.clone().filter(|_| !has_hill));

@@ -1,12 +1,13 @@
 //! Curves in a table, for solvers whose cards are not known here: resultants, force per width of the layers that an element
 //! stands for, over engineering strain, as VPS' material 151 takes them in the study of the LLDPE film.
 
-use super::film::{Draft, Refusal};
+use super::film::Draft;
 use super::layout::whole;
 use super::loss::Loss;
+use base::diagnostic::Diagnostic;
 
 /// The table without its head: one block of two columns a curve, one below the other.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let (film, request) = (draft.film, draft.request);
     let curves = draft.fabric_curves(true)?;
     draft.lose_beside_the_law();

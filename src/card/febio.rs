@@ -1,16 +1,17 @@
 //! Cards of FEBio: a `<material>` of its feb files, for shells, since its elastic membrane has no such law. Names and constants are
 //! those of its sources (`FEBioMech/FEOgdenMaterial.cpp`, `FEUncoupledViscoElasticMaterial.cpp`).
 
-use super::film::{Draft, Refusal, bulk_modulus, shear_modulus};
+use super::film::{Draft, bulk_modulus, shear_modulus};
 use super::layout::whole;
 use super::loss::Loss;
+use base::diagnostic::Diagnostic;
 use membrane::material::{Elastic, HyperelasticLaw, Law};
 
 /// Terms of Ogden's law, and of a Prony series.
 const TERMS: usize = 6;
 
 /// The card without its head.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     draft.lose_rupture_and_heat();
     let law = &draft.film.material.law;
     match (draft.linear(law), law) {
@@ -39,7 +40,7 @@ fn isotropic(draft: &mut Draft<'_>, law: &Elastic) -> String {
     material(draft, "isotropic elastic", &content)
 }
 
-fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagnostic> {
     let request = draft.request;
     let terms = request.ogden(law, TERMS)?;
     draft.lose_of_rubber(law);

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use thiserror::Error;
-
 use super::loss::Loss;
 use super::target::{System, Target};
+use base::diagnostic::Diagnostic;
 use membrane::material::{
     Curve, Elastic, Fabric, FibreLaw, FlowRate, Hardening, HyperelasticLaw, Law, Material, OgdenTerm, Plastic,
     Polynomial, RateCurves,
@@ -77,27 +76,40 @@ impl Request {
     }
 
     /// The refusal of a law that the target does not have.
-    pub(crate) fn no_law(&self, law: &'static str) -> Refusal {
-        Refusal::NoLaw { target: self.target.name(), law }
+    pub(crate) fn no_law(&self, law: &str) -> Diagnostic {
+        let refusal = Diagnostic::new(format!("{} has no law for {law}", self.target.name()));
+        refusal.hint("write it for another solver, or fit a law that this one has")
     }
 
     /// Refuses more terms than the target takes.
-    pub(crate) fn at_most(&self, most: usize, terms: usize) -> Result<(), Refusal> {
-        let target = self.target.name();
-        if terms <= most { Ok(()) } else { Err(Refusal::TooManyTerms { target, terms, most }) }
+    pub(crate) fn at_most(&self, most: usize, terms: usize) -> Result<(), Diagnostic> {
+        if terms <= most {
+            return Ok(());
+        }
+        let message = format!("{} takes {most} terms of Ogden's law, not {terms}", self.target.name());
+        Err(Diagnostic::new(message).hint("fit fewer terms: `droptower fit prony`"))
     }
 
     /// The terms of an energy as droptower writes Ogden's law, of which the target takes as many as `most`.
-    pub(crate) fn ogden(&self, law: &HyperelasticLaw, most: usize) -> Result<Vec<OgdenTerm>, Refusal> {
+    pub(crate) fn ogden(&self, law: &HyperelasticLaw, most: usize) -> Result<Vec<OgdenTerm>, Diagnostic> {
         let terms = ogden_terms(law).ok_or_else(|| self.no_law(energy(law)))?;
         self.at_most(most, terms.len()).map(|()| terms)
     }
 
     /// The rate that was asked for, within the `range` of the curves; none is refused unless the target takes curves `by_rate`.
-    fn rate_within(&self, range: [f64; 2], by_rate: bool) -> Result<Option<f64>, Refusal> {
+    fn rate_within(&self, range: [f64; 2], by_rate: bool) -> Result<Option<f64>, Diagnostic> {
+        let [low, high] = range;
         match self.rate {
-            Some(rate) if !(range[0]..=range[1]).contains(&rate) => Err(Refusal::OtherRate { rate, range }),
-            None if !by_rate => Err(Refusal::ManyRates { target: self.target.name(), range }),
+            Some(rate) if !(low..=high).contains(&rate) => {
+                let message = format!("the curves are of {low} to {high} 1/s, not of {rate} 1/s");
+                Err(Diagnostic::new(message).hint("name a rate within"))
+            }
+            None if !by_rate => {
+                let target = self.target.name();
+                let message =
+                    format!("the curves are by strain rate, {low} to {high} 1/s, and {target} takes those of one");
+                Err(Diagnostic::new(message).hint(format!("name one: --rate \"{high} 1/s\"")))
+            }
             rate => Ok(rate),
         }
     }
@@ -107,45 +119,6 @@ impl Request {
         let (sin, cos) = self.md_angle.sin_cos();
         [cos, sin].map(|component| if component.abs() < f64::EPSILON { 0.0 } else { component })
     }
-}
-
-/// Why a film cannot be written.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum Refusal {
-    /// The target has no such law.
-    #[error("{target} has no law for {law}")]
-    NoLaw {
-        /// Who.
-        target: &'static str,
-        /// The law of the film.
-        law: &'static str,
-    },
-    /// The target takes the curves of one rate only.
-    #[error("the curves are by strain rate, {} to {} 1/s, and {target} takes those of one", range[0], range[1])]
-    ManyRates {
-        /// Who.
-        target: &'static str,
-        /// Lowest and highest, 1/s.
-        range: [f64; 2],
-    },
-    /// A rate outside of those that were measured.
-    #[error("the curves are of {} to {} 1/s, not of {rate} 1/s", range[0], range[1])]
-    OtherRate {
-        /// As asked for, 1/s.
-        rate: f64,
-        /// Lowest and highest, 1/s.
-        range: [f64; 2],
-    },
-    /// The law has too many terms.
-    #[error("{target} takes {most} terms of Ogden's law, not {terms}")]
-    TooManyTerms {
-        /// Who.
-        target: &'static str,
-        /// Of the film.
-        terms: usize,
-        /// Of the target.
-        most: usize,
-    },
 }
 
 /// Points of a curve.
@@ -282,7 +255,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The curves of the film, which must be a fabric; `by_rate` where the target takes several rates.
-    pub(crate) fn fabric_curves(&mut self, by_rate: bool) -> Result<FabricCurves, Refusal> {
+    pub(crate) fn fabric_curves(&mut self, by_rate: bool) -> Result<FabricCurves, Diagnostic> {
         let request = self.request;
         match &self.film.material.law {
             Law::Fabric(fabric) => {
@@ -330,7 +303,7 @@ impl<'a> Draft<'a> {
 
     /// Flow curves along MD by rate of plastic strain, SI: true stress over plastic strain. `tables`: whether the target has curves
     /// by rate.
-    pub(crate) fn flow_curves(&mut self, law: &Plastic, tables: bool) -> Result<Vec<Rated<Sampled>>, Refusal> {
+    pub(crate) fn flow_curves(&mut self, law: &Plastic, tables: bool) -> Result<Vec<Rated<Sampled>>, Diagnostic> {
         let (request, factor) = (self.request, along_md(law));
         /// Plastic strain up to which Voce's law, which has no end, is written.
         const LAST: f64 = 3.0;
@@ -367,7 +340,7 @@ fn sampling<'a>(curves: impl Iterator<Item = &'a Sampled>) -> Option<Loss> {
     (error > 0.0).then_some(Loss::Sampled { points, error })
 }
 
-fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<Rated<Curve>>, Refusal> {
+fn rated(curves: &RateCurves, request: &Request, by_rate: bool) -> Result<Vec<Rated<Curve>>, Diagnostic> {
     let Some(range) = curves.range() else {
         return Ok(curves.curves().into_iter().map(|(_, curve)| (None, curve)).collect());
     };

@@ -2,11 +2,12 @@
 
 use serde_json::json;
 
-use super::film::{Draft, Refusal};
+use super::film::Draft;
+use base::diagnostic::Diagnostic;
 use membrane::material::{Elastic, Law};
 
 /// The card with its head.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let (film, request) = (draft.film, draft.request);
     let law = &film.material.law;
     let Elastic { young, poisson } = draft.linear(law).ok_or_else(|| {

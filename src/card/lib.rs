@@ -18,10 +18,11 @@ mod openradioss;
 pub mod read;
 mod target;
 
-pub use film::{Film, Refusal, Request};
+pub use film::{Film, Request};
 pub use loss::{CODES, Loss};
 pub use target::{About, System, Target};
 
+use base::diagnostic::Diagnostic;
 use base::number::significant;
 use film::Draft;
 
@@ -37,8 +38,8 @@ pub struct Card {
 /// Writes a film.
 ///
 /// # Errors
-/// [`Refusal`]: the target cannot hold its law.
-pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Refusal> {
+/// The target cannot hold its law.
+pub fn write(film: &Film<'_>, request: &Request) -> Result<Card, Diagnostic> {
     let Pieces { head, body, losses } = pieces(film, request)?;
     let text = match request.target {
         Target::LsDyna => format!("{head}*KEYWORD\n{body}*END\n"),
@@ -60,7 +61,7 @@ struct Pieces {
     losses: Vec<Loss>,
 }
 
-fn pieces(film: &Film<'_>, request: &Request) -> Result<Pieces, Refusal> {
+fn pieces(film: &Film<'_>, request: &Request) -> Result<Pieces, Diagnostic> {
     // A name of a stranger's is one line and no keyword.
     let film = &Film { name: &title(film.name), ..film.clone() };
     let mut draft = Draft { film, request, losses: vec![] };

@@ -3,7 +3,7 @@
 //! Fields as the keyword classes of pydyna name them (ansys/pydyna, `keyword_classes/auto/mat`). A field has 10 columns, or 20
 //! where a number needs them: the keyword then ends with `+`, the long format of one keyword (pydyna, `lib/deck_loader.py`).
 
-use super::film::{CurvesBehind, Draft, Points, Rated, Refusal, energy, lost_hill, rising};
+use super::film::{CurvesBehind, Draft, Points, Rated, energy, lost_hill, rising};
 use super::layout::{
     Field,
     Field::{Blank, Real, Whole},
@@ -11,6 +11,7 @@ use super::layout::{
 };
 use super::loss::Loss;
 use super::target::System;
+use base::diagnostic::Diagnostic;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic, Polynomial};
 
 /// Terms of Ogden's law.
@@ -66,7 +67,7 @@ pub(crate) fn keyword(name: &str, heading: Option<&str>, system: System, parts: 
 }
 
 /// The material and its curves.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let law = &draft.film.material.law;
     match (draft.linear(law), law) {
         (Some(elastic), _) => Ok(isotropic(draft, elastic)),
@@ -92,7 +93,7 @@ fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
 
 /// MAT_034. What follows the curves decides FORM and with it the last cards: -14 with hysteresis, 14 with unloading curves or
 /// without absorption.
-fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let request = draft.request;
     let curves = draft.fabric_curves(true)?;
     let units = [1.0, request.system.stress()];
@@ -150,7 +151,7 @@ fn stresses(title: &str, curves: &[Rated<Points>], behind: &mut CurvesBehind, sy
     table
 }
 
-fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagnostic> {
     let request = draft.request;
     if matches!(law, HyperelasticLaw::CompressibleNeoHookean(_) | HyperelasticLaw::Gent(_)) {
         return Err(request.no_law(energy(law)));
@@ -181,7 +182,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
     Ok(material(draft, name, layout, values, prony))
 }
 
-fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Diagnostic> {
     let request = draft.request;
     let flow = draft.flow_curves(law, true)?;
     draft.losses.extend(lost_hill(law));

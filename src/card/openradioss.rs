@@ -5,7 +5,7 @@
 //! (`engine/source/materials/mat/mat058/sigeps58c.F`), and shear over the angle in degrees. Its starter refuses curves that do not
 //! rise, and unloading that does not meet loading (`starter/source/materials/mat/mat058/law58_upd.F`).
 
-use super::film::{CurvesBehind, Draft, Points, Refusal, lost_hill};
+use super::film::{CurvesBehind, Draft, Points, lost_hill};
 use super::layout::{
     Field,
     Field::{Real, Whole},
@@ -13,6 +13,7 @@ use super::layout::{
 };
 use super::loss::Loss;
 use super::target::System;
+use base::diagnostic::Diagnostic;
 use membrane::material::{Elastic, HyperelasticLaw, Law, Plastic};
 
 /// Terms of Ogden's law: before 2025 the second line of each five is blank.
@@ -95,7 +96,7 @@ pub(crate) fn function(number: i64, title: &str, points: &[[f64; 2]], units: [f6
 }
 
 /// The material and its curves.
-pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let law = &draft.film.material.law;
     match (draft.linear(law), law) {
         (Some(elastic), _) => Ok(orthotropic(draft, elastic)),
@@ -127,7 +128,7 @@ fn orthotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
 }
 
 /// LAW58. It refers to functions by number, which stand behind it.
-fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
+fn fabric(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     const DEGREES: f64 = std::f64::consts::PI / 180.0;
     let request = draft.request;
     let curves = draft.fabric_curves(false)?;
@@ -155,7 +156,7 @@ fn fabric(draft: &mut Draft<'_>) -> Result<String, Refusal> {
 }
 
 /// LAW42: Ogden's law, with Prony moduli.
-fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusal> {
+fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagnostic> {
     let request = draft.request;
     let terms = request.ogden(law, TERMS)?;
     draft.lose_of_rubber(law);
@@ -171,7 +172,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Refusa
 }
 
 /// LAW43 with Hill's yield function, LAW36 with von Mises'.
-fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Refusal> {
+fn plastic(draft: &mut Draft<'_>, law: &Plastic) -> Result<String, Diagnostic> {
     let request = draft.request;
     let is_hill = lost_hill(law).is_some();
     let flow = draft.flow_curves(law, true)?;

@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::export::{self, RequestArgs};
 use crate::{Failure, Shared, output, print_figures, terminal};
 use ::card::Film;
-use ::card::deck::{self, Body, Deck, DeckLoss, DeckRefusal, FILES, Face, File, Shape, stress_free};
+use ::card::deck::{self, Body, Deck, DeckLoss, FILES, Face, File, Shape, stress_free};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
 use base::finding::Finding;
 use base::scratch::ScratchFolder;
@@ -39,14 +39,7 @@ pub(crate) fn run(args: &DeckArgs, shared: &Shared) -> Result<(), Failure> {
     let test = Test::read(&file)?;
     let origin = export::origin(&Document::read(&file)?)?;
     let deck = test.deck(&origin)?;
-    let written = deck::write(&deck, &args.request.request()).map_err(|refusal| {
-        let mistake = Diagnostic::new(format!("{}: {refusal}", shown_path(&file)));
-        match &refusal {
-            DeckRefusal::Film { refusal, .. } => args.request.with_hint(mistake, refusal),
-            DeckRefusal::Target(_) => mistake.hint("its materials can be written: `droptower export card`"),
-            DeckRefusal::Units(_) => mistake.hint("name other ones, such as --units t-mm-s"),
-        }
-    })?;
+    let written = deck::write(&deck, &args.request.request()).map_err(|refusal| export::refused(&file, refusal))?;
     write_folder(&args.out, &written.files)?;
     let of_deck = written.losses.iter().map(Finding::new);
     let findings: Vec<Finding> = of_deck.chain(written.card_losses.iter().map(Finding::new)).collect();

@@ -10,7 +10,7 @@ use crate::args::{number, quantity};
 use crate::scenarios::sha256;
 use crate::{Failure, Shared, deck, output, print_figures, terminal};
 use ::card::read::{self, Mistake, Reading};
-use ::card::{Film, Refusal, Request, System, Target};
+use ::card::{Film, Request, System, Target};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::file;
 use base::finding::Finding;
@@ -136,16 +136,11 @@ impl RequestArgs {
             ..Request::new(self.target, self.units)
         }
     }
+}
 
-    /// The mistake of a film that is refused, with what helps.
-    pub(crate) fn with_hint(&self, mistake: Diagnostic, refusal: &Refusal) -> Diagnostic {
-        match refusal {
-            Refusal::NoLaw { .. } => mistake.hint("write it for another solver, or fit a law that this one has"),
-            Refusal::ManyRates { range, .. } => mistake.hint(format!("name one: --rate \"{} 1/s\"", range[1])),
-            Refusal::OtherRate { .. } => mistake.hint("name a rate within"),
-            Refusal::TooManyTerms { .. } => mistake.hint("fit fewer terms: `droptower fit prony`"),
-        }
-    }
+/// The refusal of what is written from this file.
+pub(crate) fn refused(file: &Path, refusal: Diagnostic) -> Diagnostic {
+    Diagnostic { message: format!("{}: {}", shown_path(file), refusal.message), ..refusal }
 }
 
 fn target(text: &str) -> Result<Target, String> {
@@ -200,10 +195,7 @@ fn export_card(args: &CardArgs, shared: &Shared) -> Result<(), Failure> {
     let FilmSource { name, material, layers, origin } = read(&args.film, args.face)?;
     let request = Request { layers: args.layers.unwrap_or(layers), id: args.id, ..args.request.request() };
     let film = Film { name: &name, material: &material, origin: &origin };
-    let written = ::card::write(&film, &request).map_err(|refusal| {
-        let mistake = Diagnostic::new(format!("{}: {refusal}", shown_path(&args.film)));
-        args.request.with_hint(mistake, &refusal)
-    })?;
+    let written = ::card::write(&film, &request).map_err(|refusal| refused(&args.film, refusal))?;
     output::write(&args.out, |file| file.write_all(written.text.as_bytes()))?;
     let findings: Vec<Finding> = written.losses.iter().map(Finding::new).collect();
     let (out, target, units) = (shown_path(&args.out), target.name(), args.request.units.name());

@@ -10,11 +10,10 @@ mod finding;
 mod ls_dyna;
 mod openradioss;
 
-use thiserror::Error;
-
 use super::Loss;
-use super::film::{Film, Refusal, Request, WriteCurve};
+use super::film::{Film, Request, WriteCurve};
 use super::target::{System, Target};
+use base::diagnostic::Diagnostic;
 use base::number::significant;
 
 pub use body::stress_free;
@@ -141,25 +140,6 @@ pub enum Shape {
     },
 }
 
-/// Why a test cannot be written as a deck.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum DeckRefusal {
-    /// The material of a face.
-    #[error("face {face}: {refusal}")]
-    Film {
-        /// From 1.
-        face: usize,
-        /// Why.
-        refusal: Refusal,
-    },
-    /// No deck is written for this solver.
-    #[error("no decks are written for {0}: for LS-DYNA and OpenRadioss they are")]
-    Target(&'static str),
-    /// The solver names its units.
-    #[error("OpenRadioss has no name for the units of {0}")]
-    Units(&'static str),
-}
-
 /// A file of a deck.
 #[derive(Clone, Debug, PartialEq)]
 pub struct File {
@@ -186,10 +166,13 @@ pub struct Written {
 /// Writes a test for the target of `request`, which says also how materials are written; its layers and number are not used.
 ///
 /// # Errors
-/// [`DeckRefusal`].
-pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal> {
+/// The solver has no decks, or does not take a material or the units.
+pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, Diagnostic> {
     if !matches!(request.target, Target::LsDyna | Target::OpenRadioss) {
-        return Err(DeckRefusal::Target(request.target.name()));
+        let target = request.target.name();
+        let refusal =
+            Diagnostic::new(format!("no decks are written for {target}: for LS-DYNA and OpenRadioss they are"));
+        return Err(refusal.hint("its materials can be written: `droptower export card`"));
     }
     let materials = Materials::of(deck, request)?;
     let mounting = mounting(deck);
@@ -206,20 +189,16 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, DeckRefusal>
     let scene = Scene { deck, mounting, materials: &materials, system: request.system };
     let inset = deck.bodies.iter().map(|body| body.shape.inset()).fold(0.0, f64::max);
     losses.extend([DeckLoss::Facets { depth: scene.facet_depth() }, DeckLoss::Penalty { inset }]);
-    let files = match request.target {
-        Target::LsDyna => {
-            let text = written(&scene, &mut LsDyna::new(&scene, &mut losses)) + "*END\n";
-            vec![File { name: FILES[0], text: head_of_deck("$ ", &scene, &losses, request) + "*KEYWORD\n" + &text }]
-        }
-        Target::OpenRadioss => {
-            let starter = written(&scene, &mut OpenRadioss::new(&scene, &mut losses)?) + "/END\n";
-            let head = head_of_deck("# ", &scene, &losses, request);
-            vec![
-                File { name: FILES[1], text: format!("#RADIOSS STARTER\n{head}{starter}") },
-                File { name: FILES[2], text: openradioss::engine(&scene) },
-            ]
-        }
-        other => return Err(DeckRefusal::Target(other.name())),
+    let files = if request.target == Target::LsDyna {
+        let text = written(&scene, &mut LsDyna::new(&scene, &mut losses)) + "*END\n";
+        vec![File { name: FILES[0], text: head_of_deck("$ ", &scene, &losses, request) + "*KEYWORD\n" + &text }]
+    } else {
+        let starter = written(&scene, &mut OpenRadioss::new(&scene, &mut losses)?) + "/END\n";
+        let head = head_of_deck("# ", &scene, &losses, request);
+        vec![
+            File { name: FILES[1], text: format!("#RADIOSS STARTER\n{head}{starter}") },
+            File { name: FILES[2], text: openradioss::engine(&scene) },
+        ]
     };
     Ok(Written { files, losses, card_losses: materials.losses })
 }
@@ -374,7 +353,7 @@ struct Materials {
 }
 
 impl Materials {
-    fn of(deck: &Deck<'_>, request: &Request) -> Result<Materials, DeckRefusal> {
+    fn of(deck: &Deck<'_>, request: &Request) -> Result<Materials, Diagnostic> {
         let mut found = Materials { cards: vec![], of_face: vec![], losses: vec![] };
         for (place, face) in deck.faces.iter().enumerate() {
             let before = deck.faces[..place].iter().zip(&found.of_face);
@@ -386,8 +365,10 @@ impl Materials {
             let id = found.cards.len() as u32 + 1;
             let request = Request { id, layers: face.layers, md_angle: face.md_angle, ..request.clone() };
             let film = Film { name: &format!("{} {id}", face.film.name), origin: &[], ..face.film.clone() };
-            let card = crate::pieces(&film, &request);
-            let card = card.map_err(|refusal| DeckRefusal::Film { face: place + 1, refusal })?;
+            let card = crate::pieces(&film, &request).map_err(|refusal| {
+                let message = format!("face {}: {}", place + 1, refusal.message);
+                Diagnostic { message, ..refusal }
+            })?;
             let new = card.losses.into_iter().filter(|loss| !found.losses.contains(loss)).collect::<Vec<_>>();
             found.losses.extend(new);
             found.cards.push(card.head + &card.body);

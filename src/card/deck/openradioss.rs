@@ -7,12 +7,13 @@
 use membrane::material::Law;
 
 use super::finding::DeckLoss;
-use super::{Body, DeckRefusal, Face, GRAVITY, Move, Parts, STEEL, Scene, listed};
+use super::{Body, Face, GRAVITY, Move, Parts, STEEL, Scene, listed};
 use crate::film::WriteCurve;
 use crate::layout::Field::{Real, Whole, Word};
 use crate::layout::{Field, Layout, in_twenty, whole};
 use crate::openradioss::{block, function};
 use crate::target::System;
+use base::diagnostic::Diagnostic;
 
 /// Share of the mass of a body that its shells have; the rest is that of its main node.
 const OF_SHELLS: f64 = 1e-3;
@@ -172,14 +173,17 @@ impl Parts for OpenRadioss<'_> {
 }
 
 impl<'s> OpenRadioss<'s> {
-    pub(super) fn new(scene: &'s Scene<'s, 's>, losses: &mut Vec<DeckLoss>) -> Result<OpenRadioss<'s>, DeckRefusal> {
+    pub(super) fn new(scene: &'s Scene<'s, 's>, losses: &mut Vec<DeckLoss>) -> Result<OpenRadioss<'s>, Diagnostic> {
         losses.push(DeckLoss::ContactStiffness { stiffness: CONTACT_STIFFNESS });
         let units = match scene.system {
             System::KgMS => ["kg", "m", "s"],
             System::TMmS => ["Mg", "mm", "s"],
             System::GMmMs => ["g", "mm", "ms"],
             System::KgMmMs => ["kg", "mm", "ms"],
-            System::LbfInS => return Err(DeckRefusal::Units(scene.system.name())),
+            System::LbfInS => {
+                let message = format!("OpenRadioss has no name for the units of {}", scene.system.name());
+                return Err(Diagnostic::new(message).hint("name other ones, such as --units t-mm-s"));
+            }
         };
         Ok(OpenRadioss { scene, units, groups: 0 })
     }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use droptower_card as card;
 
-use card::deck::{Body, Deck, DeckLoss, DeckRefusal, Face, Shape, Written, stress_free, write};
+use card::deck::{Body, Deck, DeckLoss, Face, Shape, Written, stress_free, write};
 use card::{Film, Request, System, Target};
 use membrane::material::{Curve, Elastic, Fabric, Law, Material};
 
@@ -335,7 +335,7 @@ fn openradioss_has_the_test() {
         close(end.parse::<f64>().unwrap() * time, 0.1305);
     }
     let refused = write(&deck(&film), &Request::new(Target::OpenRadioss, System::LbfInS));
-    assert_eq!(refused, Err(DeckRefusal::Units("lbf-in-s")));
+    assert_eq!(refused.unwrap_err().message, "OpenRadioss has no name for the units of lbf-in-s");
 }
 
 #[test]
@@ -343,7 +343,8 @@ fn other_solvers_have_no_decks() {
     let film = elastic();
     for (target, name) in [(Target::CalculiX, "CalculiX"), (Target::Febio, "FEBio")] {
         let refused = write(&deck(&film), &Request::new(target, System::TMmS));
-        assert_eq!(refused, Err(DeckRefusal::Target(name)));
+        let message = format!("no decks are written for {name}: for LS-DYNA and OpenRadioss they are");
+        assert_eq!(refused.unwrap_err().message, message);
     }
 }
 
