@@ -134,7 +134,7 @@ pub(crate) fn lines(layout: Layout, format: Format, system: System, values: &[Fi
 }
 
 /// Numbers in so many fields, of which the last ones stay blank.
-pub(crate) fn filled(fields: usize, numbers: impl IntoIterator<Item = f64>) -> impl Iterator<Item = Field> {
+pub(crate) fn padded(fields: usize, numbers: impl IntoIterator<Item = f64>) -> impl Iterator<Item = Field> {
     numbers.into_iter().map(Field::Real).chain(std::iter::repeat(Field::Blank)).take(fields)
 }
 

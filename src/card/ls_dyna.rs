@@ -7,7 +7,7 @@ use super::film::{CurvesBehind, Draft, Points, Rated, energy, lost_hill, rising}
 use super::layout::{
     Field,
     Field::{Blank, Real, Whole},
-    Format, Layout, filled, in_twenty, lines,
+    Format, Layout, in_twenty, lines, padded,
 };
 use super::loss::Loss;
 use super::target::System;
@@ -50,13 +50,13 @@ pub(crate) const CURVE: &str = "LCID sidr= SFA=1.0 SFO=1.0 OFFA=0.0 OFFO=0.0 dat
 pub(crate) const TABLE: &str = "TBID SFA=1.0 OFFA=0.0";
 
 /// Lines of a keyword with their values.
-pub(crate) type Part = (Layout, Vec<Field>);
+pub(crate) type Filled = (Layout, Vec<Field>);
 
 /// A keyword with its heading, in a line of its own, and lines with their values: in fields of 10 columns, or of 20 where a number
 /// needs them.
-pub(crate) fn keyword(name: &str, heading: Option<&str>, system: System, parts: &[Part]) -> String {
+pub(crate) fn keyword(name: &str, heading: Option<&str>, system: System, all: &[Filled]) -> String {
     let of_width = |width: usize| -> Option<String> {
-        parts.iter().map(|(layout, values)| lines(layout, Format::Equal(width), system, values)).collect()
+        all.iter().map(|(layout, values)| lines(layout, Format::Equal(width), system, values)).collect()
     };
     let (plus, cards) = match of_width(10) {
         Some(cards) => ("", cards),
@@ -78,11 +78,11 @@ pub(super) fn write(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
 }
 
 /// A material with these values in the fields of its layout behind number and density.
-fn material(draft: &Draft<'_>, name: &str, layout: Layout, values: Vec<Field>, below: Vec<Part>) -> String {
+fn material(draft: &Draft<'_>, name: &str, layout: Layout, values: Vec<Field>, below: Vec<Filled>) -> String {
     let begin = [Whole(draft.request.id.into()), Real(draft.film.material.density)];
-    let mut parts = vec![(layout, [&begin[..], &values].concat())];
-    parts.extend(below);
-    keyword(&format!("{name}_TITLE"), Some(draft.film.name), draft.request.system, &parts)
+    let mut all = vec![(layout, [&begin[..], &values].concat())];
+    all.extend(below);
+    keyword(&format!("{name}_TITLE"), Some(draft.film.name), draft.request.system, &all)
 }
 
 fn isotropic(draft: &mut Draft<'_>, elastic: &Elastic) -> String {
@@ -123,7 +123,7 @@ fn fabric(draft: &mut Draft<'_>) -> Result<String, Diagnostic> {
     let [x, y] = request.md().map(Real);
     let mut values = vec![along, across, shear, Whole(if is_hysteretic { -14 } else { 14 }), x, y];
     values.extend(numbers.into_iter().map(Whole));
-    let below = is_hysteretic.then(|| -> Part { (&[HYSTERETIC], vec![Real(curves.absorption)]) });
+    let below = is_hysteretic.then(|| -> Filled { (&[HYSTERETIC], vec![Real(curves.absorption)]) });
     Ok(material(draft, "MAT_FABRIC", FABRIC, values, below.into_iter().collect()) + &behind.text)
 }
 
@@ -169,7 +169,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagno
         }
         _ => {
             let terms = request.ogden(law, TERMS)?;
-            values.extend(filled(TERMS, terms.iter().map(|term| relaxed * term.mu)));
+            values.extend(padded(TERMS, terms.iter().map(|term| relaxed * term.mu)));
             values.extend(terms.iter().map(|term| Real(term.alpha)));
             ("MAT_OGDEN_RUBBER", OGDEN)
         }
@@ -177,7 +177,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagno
     draft.losses.extend((!moduli.is_empty()).then_some(Loss::LinearViscosity));
     // For each term its shear relaxation modulus, as pydyna's keyword classes of 077 call it (OpenRadioss' reader of LS-DYNA decks
     // copies it as that), and its decay constant.
-    let term = |[modulus, time]: &[f64; 2]| -> Part { (&[PRONY], vec![Real(*modulus), Real(1.0 / time)]) };
+    let term = |[modulus, time]: &[f64; 2]| -> Filled { (&[PRONY], vec![Real(*modulus), Real(1.0 / time)]) };
     let prony = moduli.iter().map(term).collect();
     Ok(material(draft, name, layout, values, prony))
 }

@@ -9,7 +9,7 @@ use super::film::{CurvesBehind, Draft, Points, lost_hill};
 use super::layout::{
     Field,
     Field::{Real, Whole},
-    Format, Layout, filled, lines,
+    Format, Layout, lines, padded,
 };
 use super::loss::Loss;
 use super::target::System;
@@ -164,7 +164,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagno
     let (relaxed, prony) = draft.relaxation(law);
     draft.losses.extend((!prony.is_empty()).then_some(Loss::ShellRelaxation));
     let mut values = vec![Real(request.poisson_of(law)), Whole(prony.len() as i64)];
-    values.extend(filled(TERMS, terms.iter().map(|term| relaxed * term.mu)));
+    values.extend(padded(TERMS, terms.iter().map(|term| relaxed * term.mu)));
     values.extend(terms.iter().map(|term| Real(term.alpha)));
     let [moduli, times] = [0, 1].map(|place| prony.iter().map(|term| Real(term[place])).collect::<Vec<Field>>());
     let text = material(draft, "LAW42", LAW42, &values);

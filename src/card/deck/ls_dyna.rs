@@ -6,14 +6,14 @@
 use membrane::material::Law;
 
 use super::finding::DeckLoss;
-use super::{Body, Face, GRAVITY, Move, Parts, STEEL, Scene, listed};
+use super::{Body, DeckWriter, Face, GRAVITY, Move, STEEL, Scene, listed};
 use crate::film::WriteCurve;
 use crate::layout::Field::{Blank, Real, Whole};
 use crate::layout::{Field, Layout, in_columns};
 use crate::ls_dyna::{define_curve, keyword};
 
-/// Keywords of a deck. An interface keeps its stiffness from masses and the time step: film is far softer than the body. The motion of
-/// a mounting is a displacement (`vad` 2).
+/// Keywords of a deck. The stiffness of a contact follows from masses and the time step (`soft` 1): film is far softer than the body.
+/// A mounting prescribes displacements (`vad` 2).
 const TERMINATION: Layout = &["endtim:time endcyc dtmin endeng endmas nosol"];
 const SHELL: Layout = &["wrpang= esort= irnxx= istupd=1 theory= bwc= miter= proj="];
 const OUTPUT: Layout = &["dt:time binary lcur ioopt"];
@@ -51,7 +51,7 @@ pub(super) struct LsDyna<'s> {
     sets: i64,
 }
 
-impl Parts for LsDyna<'_> {
+impl DeckWriter for LsDyna<'_> {
     const CURVE: WriteCurve = define_curve;
 
     fn begin(&mut self) -> String {

@@ -204,7 +204,7 @@ pub fn write(deck: &Deck<'_>, request: &Request) -> Result<Written, Diagnostic> 
 }
 
 /// How a solver writes the parts of a deck, in the order in which they stand.
-trait Parts {
+trait DeckWriter {
     /// Its curves.
     const CURVE: WriteCurve;
 
@@ -231,31 +231,31 @@ trait Parts {
 }
 
 /// The deck without its head and the line that ends it.
-fn written<P: Parts>(scene: &Scene<'_, '_>, parts: &mut P) -> String {
+fn written<W: DeckWriter>(scene: &Scene<'_, '_>, writer: &mut W) -> String {
     let (deck, mounting) = (scene.deck, &scene.mounting);
-    let mut text = parts.begin() + &scene.materials.cards.concat();
+    let mut text = writer.begin() + &scene.materials.cards.concat();
     let mut next = [1; 2];
     for (place, face) in deck.faces.iter().enumerate() {
-        text += &parts.face(face, place, next);
+        text += &writer.face(face, place, next);
         next = [next[0] + face.mounted.len(), next[1] + face.quads.len() + face.tris.len()];
     }
     for (place, body) in deck.bodies.iter().enumerate() {
-        text += &parts.body(body, place, &mut next);
+        text += &writer.body(body, place, &mut next);
     }
     for (axis, nodes) in mounting.fixed.iter().enumerate().filter(|(_, nodes)| !nodes.is_empty()) {
-        text += &parts.fixed(axis, nodes);
+        text += &writer.fixed(axis, nodes);
     }
-    let curve = |number, title, points: Vec<[f64; 2]>| P::CURVE(number, title, &points, [1.0, 1.0]);
+    let curve = |number, title, points: Vec<[f64; 2]>| W::CURVE(number, title, &points, [1.0, 1.0]);
     if !mounting.moves.is_empty() {
         text.extend(scene.motions().map(|(number, title, points)| curve(number, title, points)));
     }
     for (place, one) in mounting.moves.iter().enumerate() {
-        text += &parts.moved(place, one);
+        text += &writer.moved(place, one);
     }
     text += &curve(GRAVITY, "gravity", scene.gravity());
-    text += &parts.gravity(next[0] - 1);
+    text += &writer.gravity(next[0] - 1);
     for (place, body) in deck.bodies.iter().enumerate() {
-        text.extend((0..deck.faces.len()).map(|face| parts.contact(body, place, face)));
+        text.extend((0..deck.faces.len()).map(|face| writer.contact(body, place, face)));
     }
     text
 }

@@ -7,7 +7,7 @@
 use membrane::material::Law;
 
 use super::finding::DeckLoss;
-use super::{Body, Face, GRAVITY, Move, Parts, STEEL, Scene, listed};
+use super::{Body, DeckWriter, Face, GRAVITY, Move, STEEL, Scene, listed};
 use crate::film::WriteCurve;
 use crate::layout::Field::{Real, Whole, Word};
 use crate::layout::{Field, Layout, in_twenty, whole};
@@ -77,7 +77,7 @@ pub(super) struct OpenRadioss<'s> {
     groups: i64,
 }
 
-impl Parts for OpenRadioss<'_> {
+impl DeckWriter for OpenRadioss<'_> {
     const CURVE: WriteCurve = function;
 
     fn begin(&mut self) -> String {
