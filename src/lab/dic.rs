@@ -135,8 +135,8 @@ pub fn read_times(path: &Path) -> Result<Vec<f64>, Error> {
         _ => None,
     });
     let times = found.map(|column| column.series.values().to_vec()).ok_or_else(|| {
-        let labels: Vec<String> = columns.iter().map(|column| column.label.clone()).collect();
-        refusal!("no column of time among {}", listed(&labels)).in_file(path)
+        let labels = listed(columns.iter().map(|column| &column.label));
+        refusal!("no column of time among {labels}").in_file(path)
     })?;
     let mut latest = f64::NEG_INFINITY;
     for (place, time) in times.iter().enumerate() {
@@ -340,8 +340,8 @@ fn find(columns: &[MeasuredChannel]) -> Result<Found, Error> {
             "displacements in the plane alone (`{u}`, `{v}`): fields of two-dimensional correlation are not supported"
         ));
     }
-    let found: Vec<String> = columns.iter().map(|column| column.label.clone()).collect();
-    Err(refusal!("no columns of places and displacements that are known among {}", listed(&found)).with_hint(
+    let found = listed(columns.iter().map(|column| &column.label));
+    Err(refusal!("no columns of places and displacements that are known among {found}").with_hint(
         "export X, Y, Z and U, V, W of the undeformed places (VIC-3D, MatchID), x, y, z and dx, dy, dz (ARAMIS), or \
          MODEL_COORDINATES_* and MODEL_DISPLACEMENT_* (DICe)",
     ))

@@ -6,9 +6,9 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 
 use super::nonnegative::nonnegative_least_squares;
-use crate::error::{Error, Kind, refusal};
+use crate::error::{Error, refusal};
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::{MeasuredChannel, Measurement};
+use crate::signal::{MeasuredChannel, Measurement, with_unit};
 use base::findings;
 use base::units::{Dimension, Pressure, Time};
 use membrane::material::PronyTerm;
@@ -206,13 +206,8 @@ fn values<'t>(table: &'t Measurement, name: &str, dimension: Dimension) -> Resul
     let channel = table
         .channel(name)
         .map_err(|error| error.with_hint("a relaxation has the columns `time` and `modulus`; --columns names them"))?;
-    let series = channel.quantity(dimension).map_err(|error| match error.kind().clone() {
-        Kind::NoUnit { name, unit } => {
-            error.with_hint(format!("write its unit into the header, e.g. `{name} [{unit}]`, or give --unit"))
-        }
-        _ => error,
-    })?;
-    Ok(series.values())
+    let series = channel.quantity(dimension);
+    Ok(series.map_err(|error| with_unit(error, |_, _| "--unit".to_owned()))?.values())
 }
 
 #[cfg(test)]

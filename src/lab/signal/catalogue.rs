@@ -378,7 +378,7 @@ impl Catalogue {
                 names.iter().map(|name| self.find(name)).collect::<Result<Vec<_>, _>>()?
             }
             ChannelSelection::Only if usable().nth(1).is_some() => {
-                let found: Vec<String> = usable().map(|place| entries[place].label().to_owned()).collect();
+                let found: Vec<&str> = usable().map(|place| entries[place].label()).collect();
                 return Err(self.reader.locate(Subject::List, not_one(&found, terms.channel)));
             }
             _ => usable().collect(),
@@ -457,8 +457,8 @@ fn axis(
         [time] => Ok(Axis::Channel(time)),
         [] => Err(no_time(entry)),
         _ => {
-            let found: Vec<String> = times.iter().map(|time| entries[*time].label().to_owned()).collect();
-            Err(refusal!("several channels of time: {}", listed(&found)).with_hint(NAME_THE_TIME))
+            let found = listed(times.iter().map(|time| entries[*time].label()));
+            Err(refusal!("several channels of time: {found}").with_hint(NAME_THE_TIME))
         }
     }
 }

@@ -78,6 +78,13 @@ pub(crate) fn check_dimension<'u>(name: &str, unit: Option<&'u Unit>, dimension:
     }
 }
 
+/// The refusal of a channel without a unit, with how to give one: in the header, or by an `option` for its name and its unit.
+pub(crate) fn with_unit(error: Error, option: impl Fn(&str, &str) -> String) -> Error {
+    let Kind::NoUnit { name, unit } = error.kind() else { return error };
+    let hint = format!("write its unit into the header, e.g. `{name} [{unit}]`, or give {}", option(name, unit));
+    error.with_hint(hint)
+}
+
 /// The SI unit in brackets; a number without unit is a dash.
 fn column_unit(unit: &Unit) -> String {
     if unit.measures(Strain::DIMENSION) { "-".into() } else { unit.si_symbol() }
@@ -245,7 +252,7 @@ impl ReadOptions {
 pub const MOST_VALUES: usize = 50_000_000;
 
 /// One channel is wanted, none is named, and these are there; a channel is named by this `word`.
-pub(super) fn not_one(found: &[String], word: &str) -> Error {
+pub(super) fn not_one(found: &[&str], word: &str) -> Error {
     refusal!("one channel is wanted, found {}: {}", found.len(), listed(found))
         .with_hint(format!("name the channel: --column {word}"))
 }

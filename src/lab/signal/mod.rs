@@ -29,7 +29,7 @@ pub mod workbook;
 
 pub use annotations::Annotations;
 pub use measurement::{ChannelSelection, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions};
-pub(crate) use measurement::{ambiguous, check_dimension, missing};
+pub(crate) use measurement::{ambiguous, check_dimension, missing, with_unit};
 pub(crate) use series::interpolated;
 pub use series::{Channel, Recording, Series};
 pub use warning::{CODES, FILTERED_BEFORE, VIRTUAL_RECORDING, Warning};

@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::label::{self, Label, Labelled};
 use super::{Coupon, Curve, Rules, Sample};
 use crate::error::{Error, Kind, refusal};
-use crate::signal::Measurement;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
+use crate::signal::{Measurement, with_unit};
 use base::number::significant;
 use base::units::{Force, Length};
 
@@ -153,9 +153,9 @@ impl CouponReader {
     }
 
     fn reduce(&self, path: &Path, measurement: &Measurement, has_time: bool) -> Result<CouponTest, Error> {
-        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION).map_err(with_unit)?;
+        let force = measurement.channel(&self.force)?.quantity(Force::DIMENSION).map_err(with_option)?;
         let displacement = measurement.channel(&self.displacement)?;
-        let displacement = displacement.quantity(Length::DIMENSION).map_err(with_unit)?;
+        let displacement = displacement.quantity(Length::DIMENSION).map_err(with_option)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let speed = label::measured_speed(displacement.time(), displacement.values()).filter(|_| has_time);
         let label = label::label(&name, measurement.annotations.comments(), self.given, speed)?;
@@ -168,14 +168,9 @@ impl CouponReader {
     }
 }
 
-/// The refusal of a channel without a unit, with how to give it.
-pub(super) fn with_unit(error: Error) -> Error {
-    match error.kind().clone() {
-        Kind::NoUnit { name, unit } => error.with_hint(format!(
-            "write its unit into the header, e.g. `{name} [{unit}]`, or give it: --unit {name}={unit}"
-        )),
-        _ => error,
-    }
+/// The refusal of a channel without a unit, with the option that gives it.
+pub(super) fn with_option(error: Error) -> Error {
+    with_unit(error, |name, unit| format!("it: --unit {name}={unit}"))
 }
 
 /// Whether the fault of an export says more than that of a table: it is one of the head, or is further on in the file.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::curve::Curve;
 use super::label::{Labelled, is_same_speed, label, measured_speed};
-use super::recording::{CouponReader, CouponTest, Dimensions, SpecimenNote, with_unit};
+use super::recording::{CouponReader, CouponTest, Dimensions, SpecimenNote, with_option};
 use super::{Sample, shear};
 use crate::error::{Error, Kind, refusal};
 use crate::signal::column_name::ColumnName;
@@ -101,7 +101,7 @@ impl CouponReader {
         };
         let given = self.table.units.iter().find(|(name, _)| *name == column.name || *name == column.label);
         let unit = column.unit.as_ref().or(given.map(|(_, unit)| unit));
-        let unit = check_dimension(&column.name, unit, dimension).map_err(with_unit)?;
+        let unit = check_dimension(&column.name, unit, dimension).map_err(with_option)?;
         let values: Vec<f64> = specimen.values[*place].iter().map(|value| unit.to_si(*value)).collect();
         let rows: Vec<f64> = (0..values.len()).map(|row| row as f64).collect();
         Ok((column.label.clone(), Series::new(rows, values)))

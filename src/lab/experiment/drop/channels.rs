@@ -50,13 +50,13 @@ impl DropChannels {
     pub fn find(measurement: &Measurement, names: &ChannelNames) -> Result<DropChannels, Error> {
         let acceleration = sought(measurement, names.acceleration.as_deref(), Acceleration::DIMENSION)?;
         let acceleration = acceleration.ok_or_else(|| {
-            let names: Vec<String> = measurement.channels.iter().map(|channel| channel.name.clone()).collect();
+            let names = listed(measurement.channels.iter().map(|channel| &channel.name));
             let has = |dimension: Dimension| {
                 measurement.channels.iter().any(|channel| channel.quantity(dimension).is_ok())
             };
             let has_force = has(Force::DIMENSION);
             let is_open = measurement.channels.iter().any(|channel| channel.unit.is_none());
-            refusal!("none of the channels {} is an acceleration", listed(&names)).with_hint(match (is_open, has_force) {
+            refusal!("none of the channels {names} is an acceleration").with_hint(match (is_open, has_force) {
                 (true, _) => "--unit gives the unit of channels without one",
                 (false, true) => {
                     "a drop needs a channel in m/s2 or g; `droptower reduce coupon` reduces the force and travel of a coupon"
@@ -119,9 +119,9 @@ fn sought<'a>(
         [] => Ok(None),
         [only] => Ok(Some(only)),
         _ => {
-            let names: Vec<String> = found.iter().map(|channel| channel.name.clone()).collect();
+            let names = listed(found.iter().map(|channel| &channel.name));
             let is_laser = dimension == Length::DIMENSION;
-            let error = refusal!("the channels {} are each {}: name one", listed(&names), dimension.name);
+            let error = refusal!("the channels {names} are each {}: name one", dimension.name);
             Err(error.with_hint(if is_laser { "--laser NAME, or --without-laser" } else { "--column NAME" }))
         }
     }
@@ -157,15 +157,6 @@ fn unless_given(line: Option<Result<f64, Error>>, given: Option<f64>) -> Result<
     }
 }
 
-/// A gap between two measured samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Gap {
-    /// Time of the last measured sample before it, s.
-    after: f64,
-    /// Time to the next measured sample, s.
-    duration: f64,
-}
-
 /// A reading without the gaps that were to be bridged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bridged {
@@ -182,26 +173,26 @@ pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
     let is_masked = |t: f64| masks.iter().any(|[from, to]| (*from..=*to).contains(&t));
     let measured: Vec<[f64; 2]> = reading.samples().filter(|[t, value]| value.is_finite() && !is_masked(*t)).collect();
     let step = gap::usual_step(reading.time());
+    // Of each gap the time of the last measured sample before it, and the time to the next, s.
     let (mut time, mut values, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
     for pair in measured.windows(2) {
         let [[from, first], [to, last]] = [pair[0], pair[1]];
         time.push(from);
         values.push(first);
         let between = between(reading.time(), [from, to], step);
-        let gap = Gap { after: from, duration: clean_time(to - from) };
         if between.is_empty() {
             continue;
         }
         let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
-        gaps.extend(is_bridged.then_some(gap));
+        gaps.extend(is_bridged.then(|| [from, clean_time(to - from)]));
         let value = |t: f64| if is_bridged { first + (last - first) * (t - from) / (to - from) } else { f64::NAN };
         values.extend(between.iter().map(|t| value(*t)));
         time.extend(between);
     }
     time.extend(measured.last().map(|[t, _]| *t));
     values.extend(measured.last().map(|[_, value]| *value));
-    let longest = gaps.iter().copied().max_by(|a, b| a.duration.total_cmp(&b.duration));
-    let warning = longest.map(|Gap { after, duration }| Warning::GapBridged { count: gaps.len(), after, duration });
+    let longest = gaps.iter().copied().max_by(|a: &[f64; 2], b| a[1].total_cmp(&b[1]));
+    let warning = longest.map(|[after, duration]| Warning::GapBridged { count: gaps.len(), after, duration });
     Bridged { series: Series::new(time, values), warning }
 }
 

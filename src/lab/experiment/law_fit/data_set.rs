@@ -4,9 +4,10 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::{Error, Kind, refusal};
+use crate::error::{Error, refusal};
+use crate::signal::annotations::stated;
 use crate::signal::file::{self, ChannelSelection, ReadOptions};
-use crate::signal::{MeasuredChannel, Measurement};
+use crate::signal::{MeasuredChannel, Measurement, with_unit};
 use base::units::{Dimension, Pressure, Strain};
 use membrane::material::Tension;
 
@@ -170,9 +171,7 @@ impl TestKind {
         if let Some(given) = given {
             return Ok(given);
         }
-        let pairs = header.iter().filter_map(|line| line.trim_start_matches(['#', ' ']).split_once(':'));
-        let mut stated = pairs.filter(|(key, _)| key.trim().eq_ignore_ascii_case("test")).map(|(_, word)| word.parse());
-        let header: Option<TestKind> = stated.next().transpose()?;
+        let header: Option<TestKind> = stated(header, "test").map(str::parse).transpose()?;
         let last = name.rsplit(['-', '_', ' ']).next().unwrap_or_default();
         match (named(last), header) {
             (Some(name), Some(header)) if name != header => {
@@ -269,11 +268,8 @@ fn stresses(table: &Measurement, name: &str) -> Result<Vec<f64>, Error> {
 }
 
 fn values(channel: &MeasuredChannel, dimension: Dimension) -> Result<Vec<f64>, Error> {
-    let series = channel.quantity(dimension).map_err(|error| match error.kind().clone() {
-        Kind::NoUnit { name, unit } => error
-            .with_hint(format!("write its unit into the header, e.g. `{name} [{unit}]`, or give --unit {name}=MPa")),
-        _ => error,
-    })?;
+    let series = channel.quantity(dimension);
+    let series = series.map_err(|error| with_unit(error, |name, _| format!("--unit {name}=MPa")))?;
     Ok(series.values().to_vec())
 }
 

@@ -66,8 +66,7 @@ impl Layout {
         }
         let places: Vec<usize> = (0..self.columns.len()).filter(|place| self.columns[*place].is_time()).collect();
         let refused = |what: &str| {
-            let names: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
-            let error = refusal!("{what} of time among {}", listed(&names));
+            let error = refusal!("{what} of time among {}", self.names());
             self.at_header(error.with_hint("name the column of time: --time NAME"))
         };
         match places[..] {
@@ -75,6 +74,11 @@ impl Layout {
             [] => Err(refused("no column").with_kind(Kind::NoTime)),
             _ => Err(refused("several columns")),
         }
+    }
+
+    /// The names as they are written.
+    fn names(&self) -> String {
+        listed(self.columns.iter().map(|column| &column.label))
     }
 
     /// A mistake in the header.
@@ -116,10 +120,9 @@ impl Layout {
     fn checked(self) -> Result<Layout, Error> {
         let cells = trimmed_to(self.separator.cells(&self.rows[0].text), self.columns.len()).count();
         if cells != self.columns.len() {
-            let names: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
             let place = self.header.as_ref().unwrap_or(&self.rows[0]);
-            let (names_counted, columns) = (counted(names.len(), "name"), counted(cells, "column"));
-            return Err(refusal!("{names_counted} ({}) over {columns}", listed(&names))
+            let (names, columns) = (counted(self.columns.len(), "name"), counted(cells, "column"));
+            return Err(refusal!("{names} ({}) over {columns}", self.names())
                 .with_hint("give the names of the columns: --columns time,a,b")
                 .at(place.number, 1));
         }

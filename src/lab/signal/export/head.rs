@@ -47,9 +47,9 @@ pub fn state(heads: &[Head], specimens: &mut [Specimen], mark: Mark) -> Result<(
 fn give(item: &Item, whose: &[usize], specimens: &mut [Specimen], mark: Mark) -> Result<(), Error> {
     let refused = |error: Error, hint: &str| error.with_hint(hint).with_kind(Kind::ExportHead).at(item.row, 1);
     if item.values.len() != 1 && item.values.len() != whose.len() {
-        let names: Vec<String> = whose.iter().map(|place| specimens[*place].name.clone()).collect();
-        let (key, found, count) = (&item.word, item.values.len(), names.len());
-        let error = refusal!("the head states {found} values of `{key}` for {count} specimens: {}", listed(&names));
+        let names = listed(whose.iter().map(|place| &specimens[*place].name));
+        let (key, found, count) = (&item.word, item.values.len(), whose.len());
+        let error = refusal!("the head states {found} values of `{key}` for {count} specimens: {names}");
         return Err(refused(error, "state one value, or one a specimen"));
     }
     for (order, place) in whose.iter().enumerate() {
@@ -191,8 +191,8 @@ fn values(cells: &[String], key: Key) -> Vec<(String, Option<String>)> {
     for cell in rest.iter().filter(|cell| !cell.is_empty()) {
         if let Some(value) = quantity(cell) {
             found.push(value);
-        } else if let (Ok(_), Some(last)) = (Unit::parse(cell.trim_matches(['[', ']', '(', ')'])), found.last_mut()) {
-            let written = cell.trim_matches(['[', ']', '(', ')']).to_owned();
+        } else if let (true, Some(last)) = (is_unit(cell), found.last_mut()) {
+            let written = bare(cell).to_owned();
             last.1.get_or_insert_with(|| written.clone());
             unit = Some(written);
         } else if found.is_empty() && Unit::parse(cell).is_ok() {
@@ -237,7 +237,7 @@ fn table(
             let Some(cell) = cells.get(*at).filter(|cell| !cell.is_empty()) else { continue };
             let heading = &rows[start].1[*at];
             let below = unit_row.and_then(|(_, cells)| cells.get(*at)).filter(|cell| is_unit(cell));
-            let below = below.map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned());
+            let below = below.map(|cell| bare(cell).to_owned());
             let value = match key {
                 Key::Direction => Some((cell.clone(), None)),
                 _ => quantity(cell)
@@ -257,6 +257,11 @@ fn table(
     (items, end)
 }
 
+/// A cell without brackets around it.
+fn bare(cell: &str) -> &str {
+    cell.trim_matches(['[', ']', '(', ')'])
+}
+
 fn is_unit(cell: &str) -> bool {
-    Unit::parse(cell.trim_matches(['[', ']', '(', ')'])).is_ok()
+    Unit::parse(bare(cell)).is_ok()
 }

@@ -116,8 +116,8 @@ impl Place {
                 Err(refusal!("neither a test (.mme) nor a list of channels (.chn) in the folder").in_file(folder))
             }
             ([], several, ..) | (several, ..) => {
-                let found: Vec<String> = several.iter().map(|file| name_of(file)).collect();
-                let error = refusal!("several tests in the folder: {}", listed(&found));
+                let found = listed(several.iter().map(|file| name_of(file)));
+                let error = refusal!("several tests in the folder: {found}");
                 Err(error.with_hint("name the .mme file").in_file(folder))
             }
         }
