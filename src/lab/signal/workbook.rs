@@ -11,7 +11,7 @@ use zip::result::ZipError;
 
 use super::catalogue::{Axis, Catalogue, Entry, Loaded, Reader};
 use super::csv::TextTable;
-use super::export::{self, Count, Export, Rows};
+use super::export::{self, Export};
 use super::text::Lines;
 use super::{Annotations, ReadOptions, Warning};
 use crate::error::{Error, refusal};
@@ -19,24 +19,21 @@ use base::file;
 
 /// The sheets of a workbook.
 struct Workbook {
-    sheets: Vec<TableSheet>,
+    sheets: Vec<Sheet>,
     /// Sheet and column of each channel.
     places: Vec<(usize, usize)>,
     loaded: Loaded,
 }
 
-/// A sheet as a table in text.
-struct TableSheet {
+/// A sheet with a line a row, whose cells are between tabs.
+struct Sheet {
     name: String,
     text: String,
 }
 
-type SheetTable<'a> = TextTable<Cursor<&'a [u8]>>;
-
 /// Lists the columns of the workbook at `path`: `SHEET/COLUMN`, or the column alone where one sheet holds a table.
 pub fn open(path: &Path) -> Result<Catalogue, Error> {
-    let sheets = sheets(path)?.into_iter().filter(|sheet| !sheet.rows.is_empty()).map(TableSheet::new);
-    let listed = sheets.map(|sheet| {
+    let listed = sheets(path)?.into_iter().filter(|sheet| !sheet.text.is_empty()).map(|sheet| {
         let found = sheet.list();
         (sheet, found)
     });
@@ -70,11 +67,12 @@ pub fn open(path: &Path) -> Result<Catalogue, Error> {
     Ok(Catalogue::new(all, annotations, Workbook { sheets: held, places, loaded: Loaded::default() }))
 }
 
-impl TableSheet {
-    fn new(mut sheet: Sheet) -> TableSheet {
+impl Sheet {
+    /// Of the cells of its rows.
+    fn new(name: String, mut rows: Vec<Vec<String>>) -> Sheet {
         // Empty cells at the end of a row are not stored; a row of numbers has as many as the names or units above it.
         let mut widths = [0; 2];
-        for (_, cells) in &mut sheet.rows {
+        for cells in &mut rows {
             let first = cells.iter().find(|cell| !cell.is_empty());
             match first.map(|cell| cell.parse::<f64>().is_ok()) {
                 Some(true) if cells.len() < widths[0].max(widths[1]) => {
@@ -85,12 +83,15 @@ impl TableSheet {
                 None => widths = [0; 2],
             }
         }
-        let lines = sheet.rows.iter().map(|(_, cells)| cells.join("\t"));
-        TableSheet { name: sheet.name, text: lines.flat_map(|line| [line, "\n".to_owned()]).collect() }
+        Sheet { name, text: rows.into_iter().flat_map(|cells| [cells.join("\t"), "\n".to_owned()]).collect() }
     }
 
-    fn table(&self) -> Result<SheetTable<'_>, Error> {
-        TextTable::new(Lines::new(Cursor::new(self.text.as_bytes())), &ReadOptions::default())
+    fn lines(&self) -> Lines<Cursor<&[u8]>> {
+        Lines::new(Cursor::new(self.text.as_bytes()))
+    }
+
+    fn table(&self) -> Result<TextTable<Cursor<&[u8]>>, Error> {
+        TextTable::new(self.lines(), &ReadOptions::default())
     }
 
     /// Its annotations and columns; the axis of a column without a header is no longer unknown.
@@ -137,30 +138,12 @@ impl Reader for Workbook {
 pub fn specimens(path: &Path) -> Result<Option<Export>, Error> {
     let mut export = Export::default();
     for sheet in sheets(path).map_err(|error| error.in_file(path))? {
-        let name = sheet.name.clone();
-        let found = in_sheet(sheet).map_err(|error| {
-            let located = refusal!("sheet `{name}`, row {}: {}", error.line(), error.message());
-            error.hint().map_or(located.clone(), |hint| located.with_hint(hint)).in_file(path)
-        });
-        export.specimens.extend(found?);
+        let found = export::read(&mut sheet.lines(), Some(&sheet.name));
+        let Some(found) = found.map_err(|error| sheet.located(&error).in_file(path))? else { continue };
+        export.specimens.extend(found.specimens);
+        export.comments.extend(found.comments);
     }
     Ok((!export.specimens.is_empty()).then_some(export))
-}
-
-fn in_sheet(sheet: Sheet) -> Result<Vec<export::Specimen>, Error> {
-    let (mut rows, mut count) = (Rows::default(), Count::default());
-    for (number, cells) in sheet.rows {
-        rows.push(number, cells, &mut count)?;
-    }
-    export::read_sheet(&rows, Some(&sheet.name))
-}
-
-/// A sheet.
-#[derive(Clone, Debug, PartialEq)]
-struct Sheet {
-    pub name: String,
-    /// Rows with their numbers, counted from one, blank ones too.
-    pub rows: Vec<(usize, Vec<String>)>,
 }
 
 /// Most bytes of all parts beside the sheets, unpacked: they are held in memory.
@@ -179,7 +162,7 @@ fn sheets(path: &Path) -> Result<Vec<Sheet>, Error> {
 }
 
 fn cells(book: &mut Xlsx<BufReader<File>>, name: String, held: &mut usize) -> Result<Sheet, Error> {
-    let mut rows: Vec<(usize, Vec<String>)> = Vec::new();
+    let mut rows: Vec<Vec<String>> = Vec::new();
     let mut reader = book.worksheet_cells_reader(&name)?;
     while let Some(cell) = reader.next_cell()? {
         let (row, column) = cell.get_position();
@@ -193,17 +176,15 @@ fn cells(book: &mut Xlsx<BufReader<File>>, name: String, held: &mut usize) -> Re
         if *held > MOST_CELLS {
             return Err(refusal!("sheet `{name}` has more than {MOST_CELLS} cells"));
         }
-        while rows.len() <= row {
-            rows.push((rows.len() + 1, Vec::new()));
-        }
         // Those of a damaged file may be in any order.
-        let Some((_, cells)) = rows.get_mut(row) else { continue };
+        rows.resize(rows.len().max(row + 1), Vec::new());
+        let cells = &mut rows[row];
         if cells.len() <= column {
             cells.resize(column + 1, String::new());
         }
         cells[column] = text;
     }
-    Ok(Sheet { name, rows })
+    Ok(Sheet::new(name, rows))
 }
 
 /// A cell as text: numbers in the shortest form that reads back to the same bits.

@@ -3,84 +3,104 @@
 
 use super::head::{self, Head};
 use super::words::{Key, is_displacement, is_force, is_specimen, key};
-use super::{Content, Row, Rows, Specimen, Stated, TextRow};
+use super::{Export, MOST_BYTES, MOST_TEXTS, Specimen, Stated, TextRow, cells, numbers};
 use crate::error::{Error, refusal};
 use crate::signal::column_name::{ColumnName, UnitCell, units_of_line};
+use crate::signal::csv::{Mark, Separator};
 use crate::signal::measurement::MOST_VALUES;
 
 /// Rows of numbers under one header.
 struct Block {
     header: Header,
-    row: usize,
     /// Rows above it that are not its header.
     above: Vec<TextRow>,
-    rows: Vec<(usize, Vec<f64>)>,
+    rows: Vec<Vec<f64>>,
 }
 
-/// The specimens in rows.
-pub fn specimens(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Error> {
-    let mut reader = Reader::default();
-    for row in &rows.rows {
-        reader.push(row)?;
-    }
-    let Reader { blocks, pending, .. } = reader;
-    let mut found: Vec<Specimen> = Vec::new();
-    let mut heads = Vec::new();
-    let single = blocks.len() == 1;
-    for block in blocks {
-        let first = found.len();
-        let named = block_name(&block.above);
-        for group in &block.header.groups {
-            let number = found.len() + 1;
-            let alone = block.header.groups.len() == 1;
-            let of_sheet = sheet.filter(|_| single && alone).map(str::to_owned);
-            let name = group.name.clone().or_else(|| named.clone().filter(|_| alone)).or(of_sheet);
-            found.push(specimen(&block, group, name.unwrap_or_else(|| format!("specimen {number}")), sheet));
-        }
-        heads.push(Head { rows: block.above, specimens: first..found.len(), groups: block.header.groups.clone() });
-    }
-    if let Some(last) = heads.last_mut() {
-        last.rows.extend(pending);
-    }
-    head::state(&heads, &mut found, rows.mark)?;
-    found.iter_mut().for_each(Specimen::trim);
-    found.retain(|specimen| specimen.values.first().is_some_and(|values| !values.is_empty()));
-    Ok(found)
-}
-
+/// Reads rows one after the other.
 #[derive(Default)]
-struct Reader {
+pub struct Reader {
     blocks: Vec<Block>,
     /// Rows of texts since the last row of numbers.
     pending: Vec<TextRow>,
     /// Whether a blank row came since.
     gap: bool,
-    /// Cells of all blocks, empty ones at the ends of rows too.
+    /// Decimal mark of the numbers.
+    mark: Mark,
+    /// Lines that start with `#`.
+    comments: Vec<String>,
+    /// Numbers of all blocks, empty cells at the ends of rows too.
     held: usize,
+    /// Rows of texts, and their bytes.
+    texts: usize,
+    bytes: usize,
 }
 
 impl Reader {
-    fn push(&mut self, row: &Row) -> Result<(), Error> {
-        match &row.content {
-            Content::Blank => self.gap = true,
-            Content::Texts(cells) => self.pending.push((row.number, cells.clone())),
-            Content::Numbers(numbers) => self.push_numbers(row.number, numbers)?,
+    /// The specimens of the blocks; one that is not named in them is called after the `sheet`, or numbered.
+    pub fn finish(self, sheet: Option<&str>) -> Result<Export, Error> {
+        let Reader { blocks, pending, mark, comments, .. } = self;
+        let mut found: Vec<Specimen> = Vec::new();
+        let mut heads = Vec::new();
+        let single = blocks.len() == 1;
+        for block in blocks {
+            let first = found.len();
+            let named = block_name(&block.above);
+            for group in &block.header.groups {
+                let number = found.len() + 1;
+                let alone = block.header.groups.len() == 1;
+                let of_sheet = sheet.filter(|_| single && alone).map(str::to_owned);
+                let name = group.name.clone().or_else(|| named.clone().filter(|_| alone)).or(of_sheet);
+                found.push(specimen(&block, group, name.unwrap_or_else(|| format!("specimen {number}"))));
+            }
+            heads.push(Head { rows: block.above, specimens: first..found.len(), groups: block.header.groups });
         }
+        if let Some(last) = heads.last_mut() {
+            last.rows.extend(pending);
+        }
+        head::state(&heads, &mut found, mark)?;
+        found.iter_mut().for_each(Specimen::trim);
+        found.retain(|specimen| specimen.values.first().is_some_and(|values| !values.is_empty()));
+        Ok(Export { specimens: found, comments })
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, number: usize, line: &str, separator: Separator) -> Result<(), Error> {
+        if let Some(comment) = line.trim_start().strip_prefix('#') {
+            self.comments.push(comment.trim().to_owned());
+            return Ok(());
+        }
+        let mut cells = cells(separator, line);
+        cells.truncate(cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
+        if cells.is_empty() {
+            self.gap = true;
+            return Ok(());
+        }
+        let mut mark = self.mark;
+        if let Some(numbers) = numbers(&cells, &mut mark) {
+            self.mark = mark;
+            return self.push_numbers(number, numbers);
+        }
+        self.texts += 1;
+        self.bytes += cells.iter().map(|cell| size_of::<String>() + cell.len()).sum::<usize>();
+        if self.texts > MOST_TEXTS || self.bytes > MOST_BYTES {
+            return Err(refusal!("more than {MOST_TEXTS} rows that are not of numbers").at(number, 1));
+        }
+        self.pending.push((number, cells));
         Ok(())
     }
 
-    fn push_numbers(&mut self, number: usize, numbers: &[f64]) -> Result<(), Error> {
+    fn push_numbers(&mut self, number: usize, numbers: Vec<f64>) -> Result<(), Error> {
         let texts: Vec<&[String]> = self.pending.iter().map(|(_, cells)| cells.as_slice()).collect();
         if let Some((header, taken)) = Header::read(&texts) {
             let above = self.pending.len() - taken;
-            let row = self.pending[above].0;
             let above = self.pending.drain(..).take(above).collect();
-            self.blocks.push(Block { header, row, above, rows: Vec::new() });
+            self.blocks.push(Block { header, above, rows: Vec::new() });
         } else if let Some(last) = self.blocks.last() {
-            if self.starts_again(last, numbers) {
-                let (header, row) = (unnamed(&last.header), last.row);
+            if self.starts_again(last, &numbers) {
+                let header = unnamed(&last.header);
                 let above = std::mem::take(&mut self.pending);
-                self.blocks.push(Block { header, row, above, rows: Vec::new() });
+                self.blocks.push(Block { header, above, rows: Vec::new() });
             } else if let Some((row, cells)) = self.pending.first() {
                 let wrong = cells.iter().find(|cell| cell.parse::<f64>().is_err() && !cell.is_empty());
                 let found: String = wrong.map(|cell| cell.chars().take(40).collect()).unwrap_or_default();
@@ -90,21 +110,23 @@ impl Reader {
             }
         }
         self.gap = false;
-        let Some(block) = self.blocks.last_mut() else {
-            // Numbers in a head, such as those of a table of specimens.
-            let texts = numbers.iter().map(|value| if value.is_nan() { String::new() } else { value.to_string() });
-            self.pending.push((number, texts.collect()));
-            return Ok(());
-        };
-        let (expected, found) = (block.header.columns.len(), numbers.len());
-        if found > expected {
+        let expected = self.blocks.last().map(|block| block.header.columns.len());
+        let found = numbers.len();
+        if let Some(expected) = expected.filter(|expected| found > *expected) {
             return Err(refusal!("expected at most {expected} cells, found {found}").at(number, 1));
         }
-        self.held += expected;
+        self.held += expected.unwrap_or(found);
         if self.held > MOST_VALUES {
             return Err(refusal!("more than {MOST_VALUES} cells").at(number, 1));
         }
-        block.rows.push((number, numbers.to_vec()));
+        match self.blocks.last_mut() {
+            Some(block) => block.rows.push(numbers),
+            None => {
+                // Numbers in a head, such as those of a table of specimens.
+                let texts = numbers.iter().map(|value| if value.is_nan() { String::new() } else { value.to_string() });
+                self.pending.push((number, texts.collect()));
+            }
+        }
         Ok(())
     }
 
@@ -118,8 +140,7 @@ impl Reader {
         }
         let travel = last.header.columns.iter().position(|column| is_displacement(&column.name));
         let value = |row: &[f64]| travel.and_then(|travel| row.get(travel).copied()).unwrap_or(f64::NAN);
-        let [first, before] =
-            [last.rows.first(), last.rows.last()].map(|row| row.map_or(f64::NAN, |row| value(&row.1)));
+        let [first, before] = [last.rows.first(), last.rows.last()].map(|row| row.map_or(f64::NAN, |row| value(row)));
         let now = value(numbers);
         self.pending.is_empty() && self.gap && (now - first).abs() < 0.5 * (before - first).abs()
     }
@@ -149,12 +170,11 @@ fn block_name(above: &[TextRow]) -> Option<String> {
     })
 }
 
-fn specimen(block: &Block, group: &Group, name: String, sheet: Option<&str>) -> Specimen {
+fn specimen(block: &Block, group: &Group, name: String) -> Specimen {
     let [start, end] = group.range;
-    let value = |row: &(usize, Vec<f64>), place: usize| row.1.get(place).copied().unwrap_or(f64::NAN);
+    let value = |row: &Vec<f64>, place: usize| row.get(place).copied().unwrap_or(f64::NAN);
     Specimen {
         name,
-        place: (sheet.map(str::to_owned), block.row),
         columns: block.header.columns[start..end].to_vec(),
         values: (start..end).map(|place| block.rows.iter().map(|row| value(row, place)).collect()).collect(),
         stated: Stated::default(),

@@ -14,9 +14,9 @@ use std::path::Path;
 
 use super::column_name::ColumnName;
 use super::csv::{Mark, Separator};
-use super::measurement::MOST_VALUES;
 use super::text::{self, Lines};
-use crate::error::{Error, refusal};
+use crate::error::Error;
+use blocks::Reader;
 
 pub use words::{Key, is_displacement, is_force};
 
@@ -68,8 +68,6 @@ pub struct Export {
 pub struct Specimen {
     /// As the file names it, or else its sheet or its number.
     pub name: String,
-    /// Where its header is: the sheet, and the row counted from one.
-    pub place: (Option<String>, usize),
     /// Names and units of its columns.
     pub columns: Vec<ColumnName>,
     /// As many as columns, each as long as the others; as the file writes them, `NaN` for an empty cell.
@@ -94,55 +92,32 @@ impl Specimen {
     }
 }
 
-/// The specimens in `rows`; one that is not named in them is called after the `sheet`, or numbered.
-pub fn read_sheet(rows: &Rows, sheet: Option<&str>) -> Result<Vec<Specimen>, Error> {
-    blocks::specimens(rows, sheet)
-}
-
 /// The specimens of the text at `path`; none where it holds no force over displacement.
 pub fn read_text(path: &Path) -> Result<Option<Export>, Error> {
-    let read = || -> Result<_, Error> {
-        let mut lines = text::open(path)?;
-        let Some(rows) = rows_of_text(&mut lines)? else { return Ok(None) };
-        let specimens = read_sheet(&rows, None)?;
-        Ok((!specimens.is_empty()).then_some(Export { specimens, comments: rows.comments }))
+    text::open(path).and_then(|mut lines| read(&mut lines, None)).map_err(|error| error.in_file(path))
+}
+
+/// The specimens in the lines of a text, or in those of a `sheet` between tabs; one that is not named in them is called after the
+/// sheet, or numbered. None where they hold no force over displacement.
+pub fn read(lines: &mut Lines<impl BufRead>, sheet: Option<&str>) -> Result<Option<Export>, Error> {
+    let (first, separator) = match sheet {
+        Some(_) => (vec![], Some(Separator::Tab)),
+        None => separated(lines)?,
     };
-    read().map_err(|error| error.in_file(path))
-}
-
-/// A row of cells.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Counted from one.
-    pub number: usize,
-    /// What it holds.
-    pub content: Content,
-}
-
-/// What a row holds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Content {
-    /// Nothing.
-    Blank,
-    /// Numbers alone, `NaN` for an empty cell.
-    Numbers(Vec<f64>),
-    /// Anything else.
-    Texts(Vec<String>),
+    let Some(separator) = separator else { return Ok(None) };
+    let mut reader = Reader::default();
+    for (number, text) in first {
+        reader.push(number, &text, separator)?;
+    }
+    while let Some(line) = lines.line()? {
+        reader.push(line.number, &line.text, separator)?;
+    }
+    let export = reader.finish(sheet)?;
+    Ok((!export.specimens.is_empty()).then_some(export))
 }
 
 /// A row of texts in a head, with its number.
 pub type TextRow = (usize, Vec<String>);
-
-/// Rows and how their numbers are written.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rows {
-    /// All of them, blank ones too.
-    pub rows: Vec<Row>,
-    /// Decimal mark of the numbers.
-    pub mark: Mark,
-    /// Lines that start with `#`.
-    pub comments: Vec<String>,
-}
 
 /// Most rows of anything but numbers, and most bytes of them.
 const MOST_TEXTS: usize = 10_000;
@@ -150,84 +125,24 @@ const MOST_BYTES: usize = 1 << 26;
 /// Lines in which the separator is looked for.
 const SEPARATOR_WITHIN: usize = 1000;
 
-/// The rows of a text; none where no line is one of numbers.
-fn rows_of_text(lines: &mut Lines<impl BufRead>) -> Result<Option<Rows>, Error> {
-    let (mut first, mut separator, mut held) = (Vec::new(), None, 0);
+/// The lines up to the first row of numbers, and what separates these; none where no line is one of numbers.
+fn separated(lines: &mut Lines<impl BufRead>) -> Result<(Vec<(usize, String)>, Option<Separator>), Error> {
+    let (mut first, mut held) = (Vec::new(), 0);
     while let Some(line) = lines.line()? {
-        if line.text.trim_start().starts_with('#') {
-            held += line.text.len();
-            if held > MOST_BYTES {
-                break;
-            }
-            first.push((line.number, line.text.into_owned()));
-            continue;
-        }
-        separator = Separator::ALL.into_iter().find(|separator| is_numbers(&cells(*separator, &line.text)));
+        let is_comment = line.text.trim_start().starts_with('#');
+        // A quoted cell may have a decimal comma between commas.
+        let is_row = |separator: &Separator| !is_comment && is_numbers(&cells(*separator, &line.text));
+        let separator = Separator::ALL.into_iter().find(is_row);
         held += line.text.len();
         first.push((line.number, line.text.into_owned()));
-        if separator.is_some() || first.len() > SEPARATOR_WITHIN || held > MOST_BYTES {
+        if separator.is_some() {
+            return Ok((first, separator));
+        }
+        if held > MOST_BYTES || (!is_comment && first.len() > SEPARATOR_WITHIN) {
             break;
         }
     }
-    let Some(separator) = separator else { return Ok(None) };
-    // A quoted cell may have a decimal comma between commas.
-    let mut rows = Rows::default();
-    let mut count = Count::default();
-    for (number, text) in first {
-        rows.push_line(number, &text, separator, &mut count)?;
-    }
-    while let Some(line) = lines.line()? {
-        rows.push_line(line.number, &line.text, separator, &mut count)?;
-    }
-    Ok(Some(rows))
-}
-
-/// Texts and numbers that are held.
-#[derive(Default)]
-pub struct Count {
-    texts: usize,
-    bytes: usize,
-    numbers: usize,
-}
-
-impl Rows {
-    fn push_line(&mut self, number: usize, line: &str, separator: Separator, count: &mut Count) -> Result<(), Error> {
-        match line.trim_start().strip_prefix('#') {
-            Some(comment) => {
-                self.comments.push(comment.trim().to_owned());
-                Ok(())
-            }
-            None => self.push(number, cells(separator, line), count),
-        }
-    }
-
-    /// Adds a row of these cells.
-    pub fn push(&mut self, number: usize, cells: Vec<String>, count: &mut Count) -> Result<(), Error> {
-        let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-        let cells = &cells[..filled];
-        let mut mark = self.mark;
-        let content = match numbers(cells, &mut mark) {
-            _ if cells.is_empty() => Content::Blank,
-            Some(numbers) => {
-                self.mark = mark;
-                count.numbers += numbers.len();
-                Content::Numbers(numbers)
-            }
-            None => {
-                count.texts += 1;
-                count.bytes += cells.iter().map(|cell| size_of::<String>() + cell.len()).sum::<usize>();
-                Content::Texts(cells.to_vec())
-            }
-        };
-        if count.numbers > MOST_VALUES {
-            return Err(refusal!("more than {MOST_VALUES} cells").at(number, 1));
-        }
-        if count.texts > MOST_TEXTS || count.bytes > MOST_BYTES {
-            return Err(refusal!("more than {MOST_TEXTS} rows that are not of numbers").at(number, 1));
-        }
-        self.rows.push(Row { number, content });
-        Ok(())
-    }
+    Ok((first, None))
 }
 
 fn cells(separator: Separator, line: &str) -> Vec<String> {
@@ -238,7 +153,7 @@ fn is_numbers(cells: &[String]) -> bool {
     numbers(cells, &mut Mark::Unknown).is_some_and(|found| found.iter().filter(|value| !value.is_nan()).count() > 1)
 }
 
-/// The cells as numbers, at least one of them; none where some cell is anything else.
+/// The cells as numbers, `NaN` for an empty one; none where some cell is anything else.
 fn numbers(cells: &[String], mark: &mut Mark) -> Option<Vec<f64>> {
     let number = |cell: &String| if cell.is_empty() { Some(f64::NAN) } else { mark.number(cell, "").ok() };
     cells.iter().map(number).collect()
