@@ -1,7 +1,12 @@
 //! Statements of a file beside its numbers, and the warnings of its reading.
 
+use std::fmt::Display;
+
 use super::Warning;
 use base::finding::Finding;
+
+/// Longest value that becomes a comment, characters.
+const LONGEST: usize = 200;
 
 /// The comments of a file and the warnings of its reading.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +22,12 @@ impl Annotations {
     pub fn new(comments: Vec<String>) -> Annotations {
         let virtual_mark = virtual_mark(&comments).cloned();
         Annotations { comments, virtual_mark, warnings: Vec::new() }
+    }
+
+    /// The comment that a text or a number beside the channels of a file becomes, in one line.
+    pub fn value_comment(name: &str, value: impl Display) -> String {
+        let value: String = value.to_string().chars().take(LONGEST).collect();
+        format!("{name}: {value}").replace(char::is_control, " ")
     }
 
     /// Statements of the file itself: its comments, and lines before its numbers. They hold as long as the numbers do.

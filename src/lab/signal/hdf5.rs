@@ -45,8 +45,6 @@ const MOST_OBJECTS: usize = 20_000;
 const DEEPEST: usize = 16;
 /// Most bytes of values for each byte of the file: deflation packs no more than 1032 in one.
 const MOST_PACKED: u64 = 1100;
-/// Longest text that becomes a comment, characters.
-const LONGEST_COMMENT: usize = 200;
 /// Attributes that state a unit.
 const UNITS: [&str; 4] = ["unit", "units", "Unit", "Units"];
 
@@ -175,8 +173,8 @@ impl Hdf5 {
         };
         if let Ok([1, 1]) = found {
             let value = dataset.read_raw().map_err(in_object(path))?;
-            self.comments
-                .extend(number(&datatype, &value).map(|value| format!("{path}: {}", value * scale[0] + scale[1])));
+            let value = number(&datatype, &value).map(|value| value * scale[0] + scale[1]);
+            self.comments.extend(value.map(|value| Annotations::value_comment(path, value)));
             return Ok(());
         }
         let rows = found.as_ref().map_or(0, |[rows, _]| *rows);
@@ -199,8 +197,7 @@ fn comment((name, value): (&String, &AttrValue)) -> Option<String> {
         _ => return None,
     };
     let is_own = name.chars().any(char::is_lowercase) && !name.starts_with("pandas_") && !name.starts_with("PYTABLES");
-    let text: String = format!("{name}: {value}").chars().take(LONGEST_COMMENT).collect();
-    is_own.then(|| text.replace(char::is_control, " "))
+    is_own.then(|| Annotations::value_comment(name, value))
 }
 
 impl Reader for Hdf5 {

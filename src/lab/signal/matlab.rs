@@ -3,6 +3,7 @@
 //!
 //! Source: MathWorks, *MAT-File Format*. Those of version 7.3 are HDF5.
 
+use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
@@ -14,115 +15,82 @@ use super::measurement::MOST_VALUES;
 use crate::error::{Error, refusal};
 use base::file;
 
-/// A MAT-file whose variables are read.
+/// The variables of a MAT-file.
+#[derive(Default)]
 struct Matlab {
-    arrays: Vec<Array>,
-    /// Array and column of each channel.
-    places: Vec<(usize, usize)>,
+    columns: Columns,
+    /// Rows and numbers of each array, column by column.
+    arrays: Vec<(usize, Vec<f64>)>,
+    /// Texts and single numbers.
+    comments: Vec<String>,
+    /// Arrays that were looked at, and numbers of all of them.
+    listed: usize,
+    values: usize,
 }
 
 /// Bytes before the first variable.
 const HEADER: usize = 128;
 /// Most bytes of a file, and of its variables unpacked.
 const MOST_BYTES: u64 = 1 << 30;
-/// Longest text that becomes a comment, characters.
-const LONGEST_COMMENT: usize = 200;
 
 /// Reads the variables of the file at `path`. A text or a single number becomes a comment.
 pub fn open(path: &Path) -> Result<Catalogue, Error> {
-    let bytes = file::read(path, MOST_BYTES)?;
-    let arrays = arrays(&bytes)?;
-    let (mut columns, mut listed, mut comments) = (Columns::default(), Vec::new(), Vec::new());
-    for array in arrays {
-        let names = [array.group.as_str(), array.name.as_str()];
-        let label = if array.group.is_empty() { array.name.clone() } else { names.join("/") };
-        let shape = match &array.content {
-            Content::Numbers { rows: 1, columns: 1, values } => {
-                comments.push(format!("{label}: {}", values.first().copied().unwrap_or(f64::NAN)));
-                continue;
-            }
-            Content::Text(text) => {
-                let text: String = text.trim().chars().take(LONGEST_COMMENT).collect();
-                comments.push(format!("{label}: {}", text.replace(char::is_control, " ")));
-                continue;
-            }
-            Content::Numbers { rows, columns, .. } => Ok([*rows as u64, *columns as u64]),
-            Content::Unread(why) => Err(why.clone()),
-        };
-        columns.push(names, None, listed.len(), shape)?;
-        listed.push(array);
-    }
-    let Columns { entries, places } = columns;
-    Ok(Catalogue::new(entries, Annotations::new(comments), Matlab { arrays: listed, places }))
+    let mut found = Matlab::from_bytes(&file::read(path, MOST_BYTES)?)?;
+    let annotations = Annotations::new(std::mem::take(&mut found.comments));
+    Ok(Catalogue::new(std::mem::take(&mut found.columns.entries), annotations, found))
 }
 
-/// The arrays of a file.
-fn arrays(bytes: &[u8]) -> Result<Vec<Array>, Error> {
-    let header = bytes.get(..HEADER).ok_or_else(|| refusal!("byte 0: the file ends within the header"))?;
-    let is_big = &header[126..] == b"MI";
-    let mut elements = Elements::new(bytes, HEADER, is_big, false);
-    let (mut found, mut left) = (Found::default(), MOST_BYTES);
-    let top = Place { group: "", name: None, depth: 0 };
-    while !elements.is_at_end() {
-        let element = elements.next("a variable")?;
-        match element.kind {
-            MATRIX => read(&elements, &element, top, &mut found)?,
-            COMPRESSED => {
-                let mut unpacked = Vec::new();
-                let length = ZlibDecoder::new(element.bytes).take(left + 1).read_to_end(&mut unpacked);
-                length.map_err(|error| refusal!("byte {}: the variable cannot be unpacked: {error}", element.at))?;
-                let rest = left.checked_sub(unpacked.len() as u64);
-                left = rest.ok_or_else(|| too_many(MOST_BYTES as usize, "bytes of variables"))?;
-                let mut inner = Elements::new(&unpacked, 0, is_big, true);
-                let variable = inner.expect(MATRIX, "a variable")?;
-                read(&inner, &variable, top, &mut found)?;
+impl Matlab {
+    fn from_bytes(bytes: &[u8]) -> Result<Matlab, Error> {
+        let header = bytes.get(..HEADER).ok_or_else(|| refusal!("byte 0: the file ends within the header"))?;
+        let is_big = &header[126..] == b"MI";
+        let mut elements = Elements::new(bytes, HEADER, is_big, false);
+        let (mut found, mut left) = (Matlab::default(), MOST_BYTES);
+        let top = Place { group: "", name: None, depth: 0 };
+        while !elements.is_at_end() {
+            let element = elements.next("a variable")?;
+            match element.kind {
+                MATRIX => read(&elements, &element, top, &mut found)?,
+                COMPRESSED => {
+                    let mut unpacked = Vec::new();
+                    let length = ZlibDecoder::new(element.bytes).take(left + 1).read_to_end(&mut unpacked);
+                    length
+                        .map_err(|error| refusal!("byte {}: the variable cannot be unpacked: {error}", element.at))?;
+                    let rest = left.checked_sub(unpacked.len() as u64);
+                    left = rest.ok_or_else(|| too_many(MOST_BYTES as usize, "bytes of variables"))?;
+                    let mut inner = Elements::new(&unpacked, 0, is_big, true);
+                    let variable = inner.expect(MATRIX, "a variable")?;
+                    read(&inner, &variable, top, &mut found)?;
+                }
+                // Others are data of programs, not variables.
+                _ => {}
             }
-            // Others are data of programs, not variables.
-            _ => {}
         }
+        Ok(found)
     }
-    Ok(found.arrays)
+
+    /// Adds an array of these rows and columns, or the reason why its numbers are not read.
+    fn push(&mut self, names: [&str; 2], shape: Result<[usize; 2], &str>, values: Vec<f64>) -> Result<(), Error> {
+        let rows = shape.map_or(0, |[rows, _]| rows);
+        let shape = shape.map(|shape| shape.map(|length| length as u64)).map_err(str::to_owned);
+        self.columns.push(names, None, self.arrays.len(), shape)?;
+        self.arrays.push((rows, values));
+        Ok(())
+    }
+
+    /// Adds an array that is a text or a single number.
+    fn comment(&mut self, [group, name]: [&str; 2], value: impl Display) {
+        let label = if group.is_empty() { name.to_owned() } else { format!("{group}/{name}") };
+        self.comments.push(Annotations::value_comment(&label, value));
+    }
 }
 
 impl Reader for Matlab {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
-        let (array, column) = self.places[place];
-        Ok(match &self.arrays[array].content {
-            Content::Numbers { rows, values, .. } => values[column * rows..(column + 1) * rows].to_vec(),
-            Content::Text(_) | Content::Unread(_) => Vec::new(),
-        })
+        let (array, column) = self.columns.places[place];
+        let (rows, values) = &self.arrays[array];
+        Ok(values[column * rows..(column + 1) * rows].to_vec())
     }
-}
-
-/// An array with its name.
-#[derive(Debug)]
-struct Array {
-    /// Names of the structs around it.
-    pub group: String,
-    pub name: String,
-    pub content: Content,
-}
-
-/// The arrays of a file.
-#[derive(Debug, Default)]
-struct Found {
-    pub arrays: Vec<Array>,
-    /// Numbers of all of them.
-    values: usize,
-}
-
-/// What an array holds.
-#[derive(Debug)]
-enum Content {
-    /// Numbers, column by column.
-    Numbers {
-        rows: usize,
-        columns: usize,
-        values: Vec<f64>,
-    },
-    Text(String),
-    /// Why it is not read.
-    Unread(String),
 }
 
 /// Deepest struct within a struct, and most arrays.
@@ -154,8 +122,8 @@ struct Place<'a> {
 }
 
 /// Reads the array in `element`, and those within it.
-fn read(elements: &Elements, element: &Element, place: Place, found: &mut Found) -> Result<(), Error> {
-    if found.arrays.len() >= MOST_ARRAYS {
+fn read(elements: &Elements, element: &Element, place: Place, found: &mut Matlab) -> Result<(), Error> {
+    if found.listed >= MOST_ARRAYS {
         return Err(too_many(MOST_ARRAYS, "arrays"));
     }
     let Place { group, name, depth } = place;
@@ -171,27 +139,31 @@ fn read(elements: &Elements, element: &Element, place: Place, found: &mut Found)
         let own = inner.next("the name of an object").map(|name| text(&name, is_big)).unwrap_or_default();
         let why = "it is an object, such as a table or a timeseries; save the struct of it instead: \
             table2struct(T, \"ToScalar\", true)";
-        push(found, group, name.unwrap_or(&own), Content::Unread(why.into()));
-        return Ok(());
+        found.listed += 1;
+        return found.push([group, name.unwrap_or(&own)], Err(why), vec![]);
     }
     let shape = inner.expect(INT32, "the dimensions of an array")?;
     let shape: Vec<usize> = shape.bytes.chunks_exact(4).map(|bytes| number(bytes, is_big) as usize).collect();
     let own = inner.next("the name of an array").map(|element| text(&element, is_big))?;
-    let name = name.unwrap_or(&own);
+    let names = [group, name.unwrap_or(&own)];
     let count = shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length)).unwrap_or(usize::MAX);
-    let unread = |why: &str| Content::Unread(why.to_owned());
-    let content = match kind {
-        STRUCT | OBJECT if depth < DEEPEST => {
-            if kind == OBJECT {
-                inner.next("the class of an object")?;
-            }
-            return structs(&mut inner, (count, name), place, found);
+    if matches!(kind, STRUCT | OBJECT) && depth < DEEPEST {
+        if kind == OBJECT {
+            inner.next("the class of an object")?;
         }
-        STRUCT | OBJECT => unread("it is within too many structs"),
-        CELL => unread("it is a cell array"),
-        SPARSE => unread("it is a sparse matrix"),
-        CHARACTERS => Content::Text(text(&inner.next("the characters of an array")?, is_big)),
-        FIRST_NUMERIC..=LAST_NUMERIC if flags & COMPLEX != 0 => unread("it holds complex numbers"),
+        return structs(&mut inner, (count, names[1]), place, found);
+    }
+    found.listed += 1;
+    let why = match kind {
+        STRUCT | OBJECT => "it is within too many structs",
+        CELL => "it is a cell array",
+        SPARSE => "it is a sparse matrix",
+        CHARACTERS => {
+            let text = text(&inner.next("the characters of an array")?, is_big);
+            found.comment(names, text.trim());
+            return Ok(());
+        }
+        FIRST_NUMERIC..=LAST_NUMERIC if flags & COMPLEX != 0 => "it holds complex numbers",
         FIRST_NUMERIC..=LAST_NUMERIC => {
             let part = inner.next("the numbers of an array")?;
             let wrong = || inner.wrong(&part, "the numbers of an array");
@@ -203,28 +175,23 @@ fn read(elements: &Elements, element: &Element, place: Place, found: &mut Found)
             let numbers = part.bytes.chunks_exact(width).map(|bytes| meaning.number(bytes, is_big));
             let values: Vec<f64> = numbers.collect::<Option<_>>().ok_or_else(wrong)?;
             match shape[..] {
-                _ if values.len() != count => {
-                    return Err(inner.ends(part.at, "the numbers of an array"));
+                _ if values.len() != count => return Err(inner.ends(part.at, "the numbers of an array")),
+                [1, 1] => {
+                    found.comment(names, values[0]);
+                    return Ok(());
                 }
-                [rows, columns] if rows == 1 || columns == 1 => {
-                    Content::Numbers { rows: rows * columns, columns: 1, values }
-                }
-                [rows, columns] => Content::Numbers { rows, columns, values },
-                _ => unread("it has more than two dimensions"),
+                [rows, columns] if rows == 1 || columns == 1 => return found.push(names, Ok([count, 1]), values),
+                [rows, columns] => return found.push(names, Ok([rows, columns]), values),
+                _ => "it has more than two dimensions",
             }
         }
-        _ => unread("it is of a kind that is not known here"),
+        _ => "it is of a kind that is not known here",
     };
-    push(found, group, name, content);
-    Ok(())
-}
-
-fn push(found: &mut Found, group: &str, name: &str, content: Content) {
-    found.arrays.push(Array { group: group.to_owned(), name: name.to_owned(), content });
+    found.push(names, Err(why), vec![])
 }
 
 /// The fields of `count` structs, each of which is a group.
-fn structs(inner: &mut Elements, (count, name): (usize, &str), place: Place, found: &mut Found) -> Result<(), Error> {
+fn structs(inner: &mut Elements, (count, name): (usize, &str), place: Place, found: &mut Matlab) -> Result<(), Error> {
     let is_big = inner.is_big;
     let length = inner.expect(INT32, "the length of names of fields")?;
     let length = length.bytes.get(..4).map_or(0, |bytes| number(bytes, is_big) as usize);

@@ -35,8 +35,6 @@ pub struct TextTable<R> {
     pub entries: Vec<Entry>,
     /// Its comments, and what its reading reports until then.
     pub annotations: Annotations,
-    /// Place of the time; none where no column is called so, or several are.
-    time: Option<usize>,
     gaps: &'static [&'static str],
     loaded: Loaded,
 }
@@ -51,8 +49,7 @@ impl<R: BufRead> TextTable<R> {
             ..Entry::from_column("", column.clone())
         };
         let entries = layout.columns.iter().map(entry).collect();
-        let (time, gaps, loaded) = (time.ok(), options.gaps, Loaded::default());
-        Ok(TextTable { lines, layout, entries, annotations, time, gaps, loaded })
+        Ok(TextTable { lines, layout, entries, annotations, gaps: options.gaps, loaded: Loaded::default() })
     }
 
     /// Whether it has a line of names.
@@ -95,7 +92,7 @@ impl<R: BufRead> Reader for TextTable<R> {
 
     fn load(&mut self, channels: &[usize], times: &[usize], warnings: &mut Vec<Warning>) -> Result<(), Error> {
         let wanted = [channels, times].concat();
-        let values = self.read_columns(&wanted, self.time.filter(|time| times.contains(time)), warnings)?;
+        let values = self.read_columns(&wanted, times.first().copied(), warnings)?;
         wanted.into_iter().zip(values).for_each(|(place, values)| self.loaded.insert(place, values));
         Ok(())
     }

@@ -160,7 +160,7 @@ fn head(file: &Member) -> Result<Head, Error> {
     let mut lines = file.lines()?;
     let mut header = Header::default();
     while let Some(line) = lines.line()? {
-        if !line.text.trim().is_empty() && !take(&mut header, &line)? {
+        if !line.text.trim().is_empty() && !header.take(&line.text, line.number)? {
             let first = line.into_owned();
             return Ok((header, Some(first), lines));
         }
@@ -174,7 +174,7 @@ pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header,
     let mut read = || {
         let (mut header, mut lines) = (Header::default(), file.lines()?);
         while let Some(line) = lines.line()? {
-            if !line.text.trim().is_empty() && !take(&mut header, &line)? {
+            if !line.text.trim().is_empty() && !header.take(&line.text, line.number)? {
                 others += 1;
                 first = if others == 1 { line.number } else { first };
             }
@@ -186,10 +186,6 @@ pub fn read_header(file: &Member, warnings: &mut Vec<Warning>) -> Result<Header,
         warnings.push(Warning::SkippedHeaderLines { file: file.name(), count: others, first });
     }
     Ok(header)
-}
-
-fn take(header: &mut Header, line: &Line) -> Result<bool, Error> {
-    header.take(&line.text, line.number)
 }
 
 /// The class that a header states: `1000`, `CFC 1000`, `CFC1000`, `CFC_1000`.

@@ -23,7 +23,6 @@ use base::units::Unit;
 use channel::{ChannelHead, read_header};
 use files::{Files, Member, number};
 
-pub use channel::{Header, HeaderLine};
 pub use files::is_part;
 
 /// The headers of a container, or of one channel of it.

@@ -51,9 +51,6 @@ const START_TIME: &str = "wf_start_time";
 /// Unit of the steps of a waveform; seconds where there is none.
 const STEP_UNIT: &str = "wf_xunit_string";
 
-/// Longest text of a property that becomes a comment, characters.
-const LONGEST_COMMENT: usize = 200;
-
 /// Reads everything but the values.
 pub fn open(path: &Path) -> Result<Catalogue, Error> {
     let file = file::open(path)?;
@@ -221,12 +218,12 @@ fn comments(objects: &Objects) -> Vec<String> {
     let properties = objects.find(&[]).into_iter().flat_map(|file| &file.properties);
     let comment = |(name, value): (&String, &Value)| {
         let value = match value {
-            Value::Text(text) if !text.trim().is_empty() => text.trim().replace(['\r', '\n'], " "),
+            Value::Text(text) if !text.trim().is_empty() => text.trim().to_owned(),
             Value::Time(time) => time.date(),
             _ => return None,
         };
         let is_own = name.starts_with("NI_");
-        (!is_own).then(|| format!("{name}: {value}").chars().take(LONGEST_COMMENT).collect())
+        (!is_own).then(|| Annotations::value_comment(name, value))
     };
     properties.filter_map(comment).collect()
 }

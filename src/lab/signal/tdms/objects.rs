@@ -45,16 +45,13 @@ impl Objects {
         for _ in 0..bytes.u32("the number of objects")? {
             let at = bytes.at();
             let path = bytes.text("the path of an object")?;
-            let described = Described::read(bytes, &path)?;
             let place = self.place(&path);
             let object = &mut self.all[place];
-            let index = match described {
-                Described::Nothing => None,
-                Described::AsBefore => {
-                    let none = || refusal!("byte {at}: `{path}` repeats a description of data that was not given");
-                    Some(object.index.clone().ok_or_else(none)?)
-                }
-                Described::As(index) => Some(Rc::new(index)),
+            let none = || refusal!("byte {at}: `{path}` repeats a description of data that was not given");
+            let index = match bytes.u32(DESCRIPTION)? {
+                NOTHING => None,
+                AS_BEFORE => Some(object.index.clone().ok_or_else(none)?),
+                header => Some(Rc::new(Index::read(bytes, header, &path)?)),
             };
             if index.is_some() {
                 object.index.clone_from(&index);
@@ -153,17 +150,7 @@ pub struct Scaler {
     pub id: u32,
 }
 
-/// What the beginning of a description says.
-pub enum Described {
-    /// The object has no data in the segment.
-    Nothing,
-    /// Those of before.
-    AsBefore,
-    /// Its own.
-    As(Index),
-}
-
-/// Beginnings of descriptions that are no lengths.
+/// Beginnings of descriptions that are no lengths: of no data in the segment, of those of before, and of DAQmx.
 const NOTHING: u32 = u32::MAX;
 const AS_BEFORE: u32 = 0;
 const FORMAT_CHANGING_SCALERS: u32 = 0x1269;
@@ -172,37 +159,31 @@ const DIGITAL_LINE_SCALERS: u32 = 0x126a;
 /// Most scalers or buffers of a channel.
 const MOST_SCALERS: u32 = 256;
 
-impl Described {
-    /// Reads the description of the data of `object`.
-    pub fn read(bytes: &mut Bytes, object: &str) -> Result<Described, Error> {
-        const WHAT: &str = "the description of data";
-        Ok(match bytes.u32(WHAT)? {
-            NOTHING => Described::Nothing,
-            AS_BEFORE => Described::AsBefore,
-            header => {
-                let at = bytes.at();
-                let wrong = |why: &str| refusal!("byte {at}: the data of `{object}`: {why}");
-                let code = bytes.u32(WHAT)?;
-                let kind = Kind::from_code(code).ok_or_else(|| unknown_type(at, "the data", code))?;
-                if bytes.u32(WHAT)? != 1 {
-                    return Err(wrong("expected one dimension"));
-                }
-                let count = bytes.u64(WHAT)?;
-                let lines = header == DIGITAL_LINE_SCALERS;
-                if lines || header == FORMAT_CHANGING_SCALERS {
-                    let daqmx = Daqmx::read(bytes, lines, wrong)?;
-                    return Ok(Described::As(Index { kind, count, bytes: 0, daqmx: Some(daqmx) }));
-                }
-                let size = match kind.width() {
-                    Some(width) => {
-                        count.checked_mul(width as u64).ok_or_else(|| wrong("more bytes than a file has"))?
-                    }
-                    None if kind == Kind::Text => bytes.u64(WHAT)?,
-                    None => return Err(wrong("raw data of DAQmx without its scalers")),
-                };
-                Described::As(Index { kind, count, bytes: size, daqmx: None })
-            }
-        })
+/// What a file that ends within a description ends in.
+const DESCRIPTION: &str = "the description of data";
+
+impl Index {
+    /// Reads the description of the data of `object` behind its `header`.
+    fn read(bytes: &mut Bytes, header: u32, object: &str) -> Result<Index, Error> {
+        let at = bytes.at();
+        let wrong = |why: &str| refusal!("byte {at}: the data of `{object}`: {why}");
+        let code = bytes.u32(DESCRIPTION)?;
+        let kind = Kind::from_code(code).ok_or_else(|| unknown_type(at, "the data", code))?;
+        if bytes.u32(DESCRIPTION)? != 1 {
+            return Err(wrong("expected one dimension"));
+        }
+        let count = bytes.u64(DESCRIPTION)?;
+        let lines = header == DIGITAL_LINE_SCALERS;
+        if lines || header == FORMAT_CHANGING_SCALERS {
+            let daqmx = Daqmx::read(bytes, lines, wrong)?;
+            return Ok(Index { kind, count, bytes: 0, daqmx: Some(daqmx) });
+        }
+        let size = match kind.width() {
+            Some(width) => count.checked_mul(width as u64).ok_or_else(|| wrong("more bytes than a file has"))?,
+            None if kind == Kind::Text => bytes.u64(DESCRIPTION)?,
+            None => return Err(wrong("raw data of DAQmx without its scalers")),
+        };
+        Ok(Index { kind, count, bytes: size, daqmx: None })
     }
 }
 
