@@ -3,8 +3,6 @@
 //! Four ratings between 0 and 1 and their weighted sum, equation 64. The curves are compared at 10 kHz and equal
 //! length, as the specification requires; the warnings of the rating report how they were resampled.
 
-use std::ops::Range;
-
 use super::warning::Warning;
 use super::{Series, gap, resample};
 use crate::error::{Error, refusal};
@@ -234,108 +232,46 @@ fn corridor_rating(reference: &[f64], comparison: &[f64]) -> f64 {
 /// memory is linear in the length.
 fn magnitude_rating(reference: &[f64], comparison: &[f64]) -> f64 {
     let band = reference.len().div_ceil(10) - 1;
-    let [off, size] = warped(Width::best(), reference, comparison, band);
+    let [off, size] = warped(reference, comparison, band);
     ((0.5 - relative(off, size)) / 0.5).max(0.0)
 }
 
-at_width! {
-    /// Sums of the absolute difference and of the absolute reference along the cheapest path.
-    fn warped[](reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
-        warped_lanewise(reference, comparison, band)
-    }
-}
+/// The cheapest path to a pair of samples: its cost, and its sums of the absolute difference and of the absolute reference.
+type Path = [f64; 3];
 
-#[inline(always)]
-fn warped_lanewise(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
+/// Sums of the absolute difference and of the absolute reference along the cheapest path.
+fn warped(reference: &[f64], comparison: &[f64], band: usize) -> [f64; 2] {
     let count = comparison.len();
-    // The padding of the last lanes is computed and discarded.
-    let padding = [0.0; LANES];
-    let reversed: Vec<f64> = reference.iter().rev().chain(&padding).copied().collect();
-    let comparison: Vec<f64> = comparison.iter().chain(&padding).copied().collect();
-    // A diagonal step comes from the last antidiagonal but one.
-    let mut fronts = [Front::new(count), Front::new(count), Front::new(count)];
-    fronts[1].start(comparison[0] - reference[0], reference[0]);
+    let step = |[cost, off, size]: Path, c: f64, r: f64| -> Path {
+        [cost + (c - r) * (c - r), off + (c - r).abs(), size + r.abs()]
+    };
+    // Paths to the pairs of the last antidiagonal but one, of the last and of the next, by the index in the comparison plus one.
+    let unreached: Path = [f64::INFINITY, 0.0, 0.0];
+    let mut fronts = [0; 3].map(|_| vec![unreached; count + 2]);
+    fronts[1][1] = step([0.0; 3], comparison[0], reference[0]);
     for diagonal in 1..2 * count - 1 {
         stop_if_cancelled();
         let first = diagonal.saturating_sub(count - 1).max(diagonal.saturating_sub(band).div_ceil(2));
         // In a band without width every other antidiagonal is empty.
         let end = count.min(diagonal + 1).min((diagonal + band) / 2 + 1).max(first);
-        // Of the pairs of an antidiagonal, one index rises as the other falls.
-        let opposite = first + count - 1 - diagonal;
         let [before_last, last, next] = &mut fronts;
-        next.advance(first..end, [&comparison[first..], &reversed[opposite..]], last, before_last);
+        for i in first..end {
+            // Steps (1, 0), (0, 1), (1, 1): of paths of equal cost the first counts.
+            let before = cheaper(cheaper(last[i], last[i + 1]), before_last[i]);
+            next[i + 1] = step(before, comparison[i], reference[diagonal - i]);
+        }
+        // Beyond the ends are paths of an earlier antidiagonal.
+        next[first] = unreached;
+        next[end + 1] = unreached;
         fronts.rotate_left(1);
     }
-    [fronts[1].off[count], fronts[1].size[count]]
+    let [_, off, size] = fronts[1][count];
+    [off, size]
 }
 
-/// The cheapest paths to the cells of an antidiagonal, by the index in the comparison plus one.
-struct Front {
-    cost: Vec<f64>,
-    off: Vec<f64>,
-    size: Vec<f64>,
-}
-
-/// Cost and sums of the paths to neighbouring cells.
-type Paths = [Lane; 3];
-
-impl Front {
-    fn new(count: usize) -> Front {
-        let length = count + 2 + LANES;
-        Front { cost: vec![f64::INFINITY; length], off: vec![0.0; length], size: vec![0.0; length] }
-    }
-
-    fn start(&mut self, difference: f64, reference: f64) {
-        (self.cost[1], self.off[1], self.size[1]) = (difference * difference, difference.abs(), reference.abs());
-    }
-
-    /// Paths to the next antidiagonal, whose curves begin at its first cell.
-    #[inline(always)]
-    fn advance(&mut self, cells: Range<usize>, curves: [&[f64]; 2], last: &Front, before_last: &Front) {
-        for block in (0..cells.len()).step_by(LANES) {
-            let below = cells.start + block;
-            let (comparison, reference) = (lane(curves[0], block), lane(curves[1], block));
-            // Steps (1, 0), (0, 1), (1, 1): of paths of equal cost the first counts.
-            let before = cheaper(cheaper(last.paths(below), last.paths(below + 1)), before_last.paths(below));
-            self.store(below + 1, step(before, comparison, reference));
-        }
-        // Beyond the ends are values of an earlier antidiagonal or of padded lanes.
-        self.cost[cells.start] = f64::INFINITY;
-        self.cost[cells.end + 1] = f64::INFINITY;
-    }
-
-    #[inline(always)]
-    fn paths(&self, from: usize) -> Paths {
-        [lane(&self.cost, from), lane(&self.off, from), lane(&self.size, from)]
-    }
-
-    #[inline(always)]
-    fn store(&mut self, from: usize, [cost, off, size]: Paths) {
-        self.cost[from..from + LANES].copy_from_slice(&*cost);
-        self.off[from..from + LANES].copy_from_slice(&*off);
-        self.size[from..from + LANES].copy_from_slice(&*size);
-    }
-}
-
-#[inline(always)]
-fn lane(values: &[f64], from: usize) -> Lane {
-    let mut lane = splat(0.0);
-    lane.copy_from_slice(&values[from..from + LANES]);
-    lane
-}
-
-/// The cheaper of two paths in each lane, the first of equally cheap ones.
-#[inline(always)]
-fn cheaper(first: Paths, second: Paths) -> Paths {
-    let better = second[0].below(first[0]);
-    [better.select(second[0], first[0]), better.select(second[1], first[1]), better.select(second[2], first[2])]
-}
-
-/// The paths, extended by one pair of samples.
-#[inline(always)]
-fn step([cost, off, size]: Paths, comparison: Lane, reference: Lane) -> Paths {
-    let difference = comparison - reference;
-    [cost + difference * difference, off + difference.abs(), size + reference.abs()]
+/// The cheaper of two paths, the first of equally cheap ones.
+fn cheaper(first: Path, second: Path) -> Path {
+    if second[0] < first[0] { second } else { first }
 }
 
 /// |off|₁/|size|₁; infinite where only `size` is zero.
@@ -605,13 +541,9 @@ mod tests {
             let comparison: Vec<f64> =
                 (0..n).map(|i| (0.12 * i as f64 - 0.2).sin() + 0.1 * (i * i % 5) as f64).collect();
             let expected = by_matrix(&reference, &comparison, band);
-            for width in Width::available() {
-                let found = warped(width, &reference, &comparison, band);
-                assert!(
-                    found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * b),
-                    "{n}, {band}: {found:?} {expected:?}"
-                );
-            }
+            let found = warped(&reference, &comparison, band);
+            let is_close = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * b);
+            assert!(is_close, "{n}, {band}: {found:?} {expected:?}");
         }
     }
 
@@ -621,7 +553,7 @@ mod tests {
         let reference: Vec<f64> = (0..60).map(|i| f64::from(i / 13)).collect();
         let comparison: Vec<f64> = (0..60).map(|i| f64::from((i + 4) / 11) - 0.5).collect();
         for band in [3, 5, 20] {
-            assert_eq!(warped(Width::best(), &reference, &comparison, band), by_matrix(&reference, &comparison, band));
+            assert_eq!(warped(&reference, &comparison, band), by_matrix(&reference, &comparison, band));
         }
     }
 }
