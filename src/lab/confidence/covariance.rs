@@ -181,10 +181,10 @@ impl Covariance {
         let fit = Decomposition::from_matrix(scaled.select_columns(&fitted))?;
         let noise = noise(linearization, options, &fit)?;
         let weight = if known.is_empty() { 0.0 } else { power(&noise, linearization, &fit).sqrt() };
+        let samples = scaled.nrows();
         let Decomposition { singular, left, right, rank } = match known.is_empty() {
             true => fit,
             false => {
-                let samples = scaled.nrows();
                 let mut rows = scaled.insert_rows(samples, known.len(), 0.0);
                 for (row, (index, deviation)) in known.iter().enumerate() {
                     rows[(samples + row, *index)] = weight * scale[*index] / deviation;
@@ -192,22 +192,20 @@ impl Covariance {
                 Decomposition::from_matrix(rows)?
             }
         };
-        let mut parts = Vec::new();
-        let mut first = 0;
-        for (noise, length) in noise.iter().zip(&linearization.parts) {
-            let between = noise.noise.covariance(&left.rows(first, *length).into_owned());
-            parts.push(Part { variance: noise.variance, between, freedom: noise.freedom });
-            first += length;
-        }
+        let part = |(noise, left): (&PartNoise, DMatrix<f64>)| {
+            let between = noise.noise.covariance(&left);
+            Part { variance: noise.variance, between, freedom: noise.freedom }
+        };
+        let mut parts: Vec<Part> = noise.iter().zip(over_parts(&left, &linearization.parts)).map(part).collect();
         let lengths = linearization.parts.iter().map(|length| *length as f64);
-        let mean = parts.iter().zip(lengths).map(|(part, length)| length * part.variance).sum::<f64>() / first as f64;
+        let mean = parts.iter().zip(lengths).map(|(part, length)| length * part.variance).sum::<f64>() / samples as f64;
         let variance = if mean == 0.0 && disturbances.ncols() > 0 { 1.0 } else { mean };
         if disturbances.ncols() > 0 {
-            let along = left.rows(0, first).transpose() * disturbances;
+            let along = left.rows(0, samples).transpose() * disturbances;
             parts.push(Part { variance: 1.0, between: &along * along.transpose(), freedom: f64::INFINITY });
         }
         if !known.is_empty() {
-            let between = Noise::white().covariance(&left.rows(first, known.len()).into_owned());
+            let between = Noise::white().covariance(&left.rows(samples, known.len()).into_owned());
             parts.push(Part { variance: weight * weight, between, freedom: f64::INFINITY });
         }
         let mut between = DMatrix::zeros(left.ncols(), left.ncols());
@@ -333,6 +331,15 @@ impl Covariance {
     }
 }
 
+/// The rows of a matrix that belong to parts of these lengths, one behind the other.
+fn over_parts<'a>(matrix: &'a DMatrix<f64>, lengths: &'a [usize]) -> impl Iterator<Item = DMatrix<f64>> + 'a {
+    let mut first = 0;
+    lengths.iter().map(move |length| {
+        first += length;
+        matrix.rows(first - length, *length).into_owned()
+    })
+}
+
 /// The noise of all parts, as assumed or as the residuals show it beside `fit`.
 fn noise(
     linearization: &Linearization,
@@ -345,28 +352,24 @@ fn noise(
             "`misfit` has {found} errors for {count} parts of the residuals: expected one, or one for each part"
         ));
     }
-    let mut noise = Vec::new();
-    let mut first = 0;
-    for (index, length) in linearization.parts.iter().enumerate() {
-        let left = fit.left.rows(first, *length).into_owned();
-        let residuals = &linearization.residuals.as_slice()[first..first + length];
-        noise.push(match &options.misfit {
-            Some(misfits) => PartNoise::assumed(misfits[index % misfits.len()], &left, fit.rank),
-            None => PartNoise::of_residuals(index + 1, residuals, &left, fit.rank, options.colour)?,
-        });
-        first += length;
-    }
-    Ok(noise)
+    let mut rest = linearization.residuals.as_slice();
+    let parts = over_parts(&fit.left, &linearization.parts).enumerate().map(|(index, left)| {
+        let residuals;
+        (residuals, rest) = rest.split_at(left.nrows());
+        match &options.misfit {
+            Some(misfits) => Ok(PartNoise::assumed(misfits[index % misfits.len()], &left, fit.rank)),
+            None => PartNoise::of_residuals(index + 1, residuals, &left, fit.rank, options.colour),
+        }
+    });
+    parts.collect()
 }
 
 /// Mean power of the noise along the directions of `fit`, or of all samples where it has none.
 fn power(noise: &[PartNoise], linearization: &Linearization, fit: &Decomposition) -> f64 {
-    let mut first = 0;
     let (mut along, mut all) = (0.0, 0.0);
-    for (part, length) in noise.iter().zip(&linearization.parts) {
-        along += part.variance * trace(&part.noise, &fit.left.rows(first, *length).into_owned(), fit.rank);
-        all += part.variance * *length as f64;
-        first += length;
+    for (part, left) in noise.iter().zip(over_parts(&fit.left, &linearization.parts)) {
+        along += part.variance * trace(&part.noise, &left, fit.rank);
+        all += part.variance * left.nrows() as f64;
     }
-    if fit.rank == 0 { all / first as f64 } else { along / fit.rank as f64 }
+    if fit.rank == 0 { all / fit.left.nrows() as f64 } else { along / fit.rank as f64 }
 }

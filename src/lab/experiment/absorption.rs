@@ -8,7 +8,7 @@ use membrane::engine::GuideFriction;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum AbsorptionError {
     /// The impactor never moves upwards after its lowest point.
-    #[error("no rebound, so there is no unloading")]
+    #[error("the recording ends before the rebound")]
     NoUnloading,
     /// Its energy does not fall before the lowest point.
     #[error("the film absorbs no energy during loading")]

@@ -36,7 +36,7 @@ findings! {
         NoEnergyAbsorption { reason: AbsorptionError, "why" } = "no-energy-absorption", Note;
             meaning "the energy absorption cannot be computed from this recording";
             remedy "record until the impactor has left the film";
-            message "no energy absorption: {}", without_absorption(*reason);
+            message "no energy absorption: {reason}";
         ImpossibleAbsorption {
             absorption: f64, "as a share" => "energy_absorption";
         } = "impossible-energy-absorption", Warning;
@@ -314,12 +314,5 @@ fn bridged(count: usize) -> String {
     match count {
         1 => "a gap is bridged by a straight line".into(),
         several => format!("{several} gaps are bridged by straight lines, the longest"),
-    }
-}
-
-fn without_absorption(reason: AbsorptionError) -> String {
-    match reason {
-        AbsorptionError::NoUnloading => "the recording ends before the rebound".into(),
-        AbsorptionError::NoLoading => reason.to_string(),
     }
 }

@@ -4,7 +4,7 @@ use super::channels::Clipping;
 use super::fit::{self, Fit};
 use super::model::{Model, Unknowns, of};
 use super::recording::Recorded;
-use super::release::{self, GravityRamp, Impact, Release};
+use super::release::{self, GravityRamp, Release};
 use super::result::{Contact, Drop, Intervals, Landmarks, SpeedSource};
 use super::{Class, Correction, Known, Reduction, Tower};
 use crate::error::{Error, Kind, refusal};
@@ -305,14 +305,6 @@ pub(super) fn finish(
         None => 1.0 / best[of::INVERSE],
     });
     let ideal_speed = tower.height.map_or(model.speed, |height| (2.0 * body.gravity * height).sqrt());
-    let impact = Impact {
-        contact: &contact,
-        ideal_speed,
-        signals: &signals,
-        energy_absorption: rebounds,
-        absorption_interval: intervals.as_ref().and_then(|all| all.energy_absorption),
-    };
-    let doubts = release::warnings(&impact, &recorded.reading, recorded.release.rest_end);
     let warnings = [
         friction.faster(tower.height.filter(|_| known.height.is_some())),
         without_laser(speed_from),
@@ -322,8 +314,8 @@ pub(super) fn finish(
         recorded.held_laser(),
         clipping.map(|clipping| saturated(&clipping, &signals)),
     ];
-    let warnings = [of_rate, disagreement.clone()].into_iter().chain(warnings).flatten().chain(doubts).collect();
-    Ok(Drop {
+    let warnings = [of_rate, disagreement.clone()].into_iter().chain(warnings).flatten().collect();
+    let mut drop = Drop {
         release: best[of::RELEASE],
         contact,
         acceleration,
@@ -341,7 +333,10 @@ pub(super) fn finish(
         clipped_from: clipping.map(|clipping| clipping.start - time),
         signals,
         warnings,
-    })
+    };
+    let doubts = release::warnings(&drop, &recorded.reading, recorded.release.rest_end);
+    drop.warnings.extend(doubts);
+    Ok(drop)
 }
 
 /// An interval that holds the figure of the whole reading, too.

@@ -4,10 +4,10 @@
 //! 13, 1537, section 3.2). It replaces gravity in the reading of an accelerometer that reads zero in free fall. It repeats
 //! the shape of the release and neglects the shift of the sensor's zero in the impact, −(1/τ)∫p dt.
 
-use super::result::Contact;
+use super::result::{Contact, Drop};
 use crate::error::{Error, Kind, refusal};
 use crate::experiment::Warning;
-use crate::experiment::absorption::{Body, first_impact};
+use crate::experiment::absorption::Body;
 use crate::experiment::fit::least_squares;
 use crate::signal::{Channel, Recording, Series, column, gap, integrate, resample};
 
@@ -321,53 +321,32 @@ const SLOW: f64 = 0.5;
 const ZERO_MOVES: f64 = 0.1;
 const STANDARD_ERRORS: f64 = 5.0;
 
-/// The figures of a drop that are checked.
-pub(super) struct Impact<'a> {
-    /// First contact.
-    pub contact: &'a Contact,
-    /// Speed of the ideal fall, m/s.
-    pub ideal_speed: f64,
-    /// Signals from contact on.
-    pub signals: &'a Recording,
-    /// D of equation 26, and its interval of 95 %.
-    pub energy_absorption: Option<f64>,
-    pub absorption_interval: Option<[f64; 2]>,
-}
-
-/// Reports that put an `impact` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at
+/// Reports that put a reduced `drop` in doubt, from its figures and from the `reading` (m/s²) that it was reduced from, at
 /// rest until `rest_end` (s).
-pub(super) fn warnings(impact: &Impact<'_>, reading: &Series, rest_end: f64) -> Vec<Warning> {
-    [absorption(impact), laser(impact), slow(impact), late_peak(impact), moving_zero(reading, rest_end)]
+pub(super) fn warnings(drop: &Drop, reading: &Series, rest_end: f64) -> Vec<Warning> {
+    let mismatch = drop.contact.laser_residual.filter(|residual| *residual > LASER_APART);
+    let mismatch = mismatch.map(|residual| Warning::LaserMismatch { residual });
+    let share = -drop.contact.velocity / drop.ideal_speed;
+    let slow = (share < SLOW).then_some(Warning::SlowImpact { share });
+    [impossible_absorption(drop), mismatch, slow, late_peak(drop), moving_zero(reading, rest_end)]
         .into_iter()
         .flatten()
         .collect()
 }
 
-fn absorption(impact: &Impact<'_>) -> Option<Warning> {
+fn impossible_absorption(drop: &Drop) -> Option<Warning> {
     // One near none is impossible only where its interval does not reach what is possible.
-    let absorption = impact.energy_absorption?;
-    let [low, high] = impact.absorption_interval.unwrap_or([absorption; 2]);
-    if high >= 0.0 && low <= 1.0 {
-        return None;
-    }
-    Some(Warning::ImpossibleAbsorption { absorption })
+    let absorption = drop.energy_absorption?;
+    let interval = drop.intervals.as_ref().and_then(|all| all.energy_absorption);
+    let [low, high] = interval.unwrap_or([absorption; 2]);
+    let is_possible = high >= 0.0 && low <= 1.0;
+    (!is_possible).then_some(Warning::ImpossibleAbsorption { absorption })
 }
 
-fn laser(impact: &Impact<'_>) -> Option<Warning> {
-    let residual = impact.contact.laser_residual.filter(|residual| *residual > LASER_APART)?;
-    Some(Warning::LaserMismatch { residual })
-}
-
-fn slow(impact: &Impact<'_>) -> Option<Warning> {
-    let share = -impact.contact.velocity / impact.ideal_speed;
-    (share < SLOW).then_some(Warning::SlowImpact { share })
-}
-
-fn late_peak(impact: &Impact<'_>) -> Option<Warning> {
-    let displacement = impact.signals.series(column::DISPLACEMENT.name)?;
-    let first = [0.0, displacement.time()[first_impact(displacement.values()).checked_sub(1)?]];
-    let [lowest_point, _] = displacement.window(first).smallest()?;
-    let [peak, _] = impact.signals.series(column::ACCELERATION_FILTERED.name)?.window(first).largest()?;
+fn late_peak(drop: &Drop) -> Option<Warning> {
+    let first = drop.first_impact();
+    let [lowest_point, _] = drop.signals.series(column::DISPLACEMENT.name)?.window(first).smallest()?;
+    let [peak, _] = drop.signals.series(column::ACCELERATION_FILTERED.name)?.window(first).largest()?;
     (peak > 1.2 * lowest_point).then_some(Warning::LatePeak { peak, lowest_point })
 }
 
