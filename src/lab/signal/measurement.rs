@@ -217,11 +217,6 @@ pub enum ChannelSelection {
 }
 
 impl ReadOptions {
-    /// Whether the text of a cell means that nothing was measured.
-    pub(super) fn is_gap(&self, text: &str) -> bool {
-        text.is_empty() || self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap))
-    }
-
     /// The unit of the channel with this name and label: that of the `file`, or the one that the caller states of the
     /// channel, or else of `others`. A refusal, of the channel as it is `shown`, where file and caller differ.
     pub(super) fn unit(
@@ -246,6 +241,11 @@ impl ReadOptions {
         let channels = name.map_or(ChannelSelection::Only, |name| ChannelSelection::Named(vec![name.into()]));
         ReadOptions { channels, ..ReadOptions::default() }
     }
+}
+
+/// Whether the text of a cell means that nothing was measured, which these words do, too.
+pub(super) fn is_gap(text: &str, words: &[&str]) -> bool {
+    text.is_empty() || words.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
 /// Most values that are held of a file; more is a mistake or an attack.

@@ -75,7 +75,7 @@ impl Series {
     }
 
     /// Time and value, sample by sample.
-    pub fn samples(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+    pub fn samples(&self) -> impl Iterator<Item = [f64; 2]> + Clone + '_ {
         self.time.iter().zip(self.values.iter()).map(|(t, v)| [*t, *v])
     }
 

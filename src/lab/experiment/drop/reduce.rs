@@ -417,7 +417,7 @@ impl Landmarks {
         let found = even(acceleration).ok().and_then(|reading| Release::find(&reading, gravity).ok());
         let found = found.map_or_else(Landmarks::default, |release| Landmarks {
             release: Some(release.flank[0]),
-            impact: Some(release.blow),
+            impact: Some(release.impact),
             ..Landmarks::default()
         });
         match *error.kind() {

@@ -23,7 +23,7 @@ const FALL: f64 = 0.3;
 /// A fall of so many times the rise of the reading, or of gravity, is the impact on a sensor that counts downward.
 const UPSIDE_DOWN: f64 = 2.0;
 /// Rise above the rest, in gravities, that is an impact.
-const BLOW: f64 = 1.0;
+const IMPACT: f64 = 1.0;
 
 /// Share of the largest rise below which a peak is a knock.
 const KNOCK: f64 = 0.25;
@@ -48,7 +48,7 @@ pub struct Release {
     /// Where the reading falls: from a tenth to nearly all of the depth that it reaches, s.
     pub flank: [f64; 2],
     /// When the reading has risen by one gravity in the impact, s; on a soft film well after contact.
-    pub blow: f64,
+    pub impact: f64,
     /// Time of the first peak of the impact, s.
     pub peak: f64,
 }
@@ -79,14 +79,15 @@ impl Release {
             )
             .with_hint("--invert turns the sensor round, and so does `invert = true` in `[reference]`"));
         }
-        if largest.is_nan() || largest < BLOW * gravity {
+        if largest.is_nan() || largest < IMPACT * gravity {
             return Err(refusal!(
                 "acceleration: there is no contact: the largest reading is {largest:.2} m/s² above the first, less than 1 g"
             ));
         }
-        let first_peak = first_peak(values, level, largest, BLOW * gravity);
-        let blow = values[..first_peak].iter().rposition(|v| v - level < BLOW * gravity).unwrap_or(0);
-        let depth = values[..=blow].iter().map(|v| level - v).fold(0.0, f64::max);
+        let first_peak = first_peak(values, level, largest, IMPACT * gravity);
+        let risen = values[..first_peak].iter().rposition(|v| v - level < IMPACT * gravity).unwrap_or(0);
+        let impact = time[risen];
+        let depth = values[..=risen].iter().map(|v| level - v).fold(0.0, f64::max);
         let units = [("m/s²", "g"), ("g", "m/s²")];
         for ([low, high], (is, read)) in OF_OTHER_UNIT.into_iter().zip(units) {
             if (low..=high).contains(&(depth / gravity)) {
@@ -100,7 +101,6 @@ impl Release {
             }
         }
         if depth < FALL * gravity {
-            let impact = time[blow];
             return Err(refusal!(
                 "acceleration: there is no release before the impact at {impact:.4} s: the reading falls by {depth:.2} m/s² \
                  at most"
@@ -125,11 +125,10 @@ impl Release {
         }
         let offset = rest.values().iter().sum::<f64>() / rest.len() as f64;
         let centred = rest.samples().map(|[t, r]| ([1.0, (t - time[0]) / length - 0.5], r - offset));
-        let centred: Vec<_> = centred.collect();
-        let left = least_squares(centred.iter().copied()).map_or(0.0, |(_, left)| left);
+        let left = least_squares(centred).map_or(0.0, |(_, left)| left);
         let noise = (left / (rest.len() - 1) as f64).sqrt();
         let flank = [time[top], time[bottom]];
-        Ok(Release { offset, noise, rest_end, flank, blow: time[blow], peak: time[first_peak] })
+        Ok(Release { offset, noise, rest_end, flank, impact, peak: time[first_peak] })
     }
 }
 
@@ -221,9 +220,8 @@ impl GravityRamp {
         // Time in lengths of the flank: columns of one magnitude.
         let length = to - from;
         let rows = flank.samples().map(|[t, r]| ((t - from) / length, r)).map(|(u, r)| ([1.0, u, u * u], r));
-        let rows: Vec<_> = rows.collect();
-        let ([c, b, a], _) =
-            least_squares(rows.iter().copied()).ok_or_else(|| refused("has too few samples for the gravity ramp"))?;
+        let fit = least_squares(rows);
+        let ([c, b, a], _) = fit.ok_or_else(|| refused("has too few samples for the gravity ramp"))?;
         let vertex = -b / (2.0 * a);
         let depth = a * vertex * vertex - c;
         // Only a flank that bends upward has its vertex at the bottom, where the magnet lets go.
@@ -358,8 +356,7 @@ fn moving_zero(reading: &Series, rest_end: f64) -> Option<Warning> {
     };
     let count = rest.len() as f64;
     let span = last - first;
-    let samples = rest.time().iter().zip(rest.values());
-    let ([_, rise], left) = least_squares(samples.map(|(t, r)| ([1.0, (t - first) / span - 0.5], *r)))?;
+    let ([_, rise], left) = least_squares(rest.samples().map(|[t, r]| ([1.0, (t - first) / span - 0.5], r)))?;
     // Of a slope over 0 to 1 in `count` even steps the variance is twelve times that of a sample over their number.
     let standard_error = (12.0 * left / count / count).sqrt();
     let over_record = rise / span * (reading.time().last()? - first);
@@ -392,7 +389,7 @@ mod tests {
             assert!((release.offset - offset).abs() < 1e-9);
             assert!((release.flank[0] - 0.103).abs() < 2e-3, "{:?}", release.flank);
             assert!((release.flank[1] - 0.1285).abs() < 2e-3, "{:?}", release.flank);
-            assert!((0.5..0.51).contains(&release.blow), "{}", release.blow);
+            assert!((0.5..0.51).contains(&release.impact), "{}", release.impact);
             assert!((0.094..0.1).contains(&release.rest_end), "{}", release.rest_end);
         }
     }

@@ -185,7 +185,7 @@ fn separator(row: &str, options: &ReadOptions) -> Separator {
     let reads = |separator: &Separator| {
         let mut mark = Mark::between(*separator);
         let mut cells = trimmed(separator.cells(row));
-        cells.all(|cell| options.is_gap(&cell.text) || mark.number(&cell.text, "").is_ok())
+        cells.all(|cell| measurement::is_gap(&cell.text, options.gaps) || mark.number(&cell.text, "").is_ok())
     };
     let splits = |separator: &Separator| trimmed(separator.cells(row)).nth(1).is_some();
     let mut candidates = Separator::ALL.into_iter().filter(splits);

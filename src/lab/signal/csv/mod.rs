@@ -17,7 +17,7 @@ use ::csv::WriterBuilder;
 use crate::error::{Error, refusal};
 use crate::signal::catalogue::{Axis, Catalogue, Entry, Loaded, Reader, Subject, Terms};
 use crate::signal::column_name::ColumnName;
-use crate::signal::measurement::{MOST_VALUES, not_increasing};
+use crate::signal::measurement::{MOST_VALUES, is_gap, not_increasing};
 use crate::signal::text::{self, Line, Lines};
 use crate::signal::{Annotations, ReadOptions, Recording, Warning};
 use base::number::clean_time;
@@ -179,8 +179,7 @@ impl Rows {
             let at = |error| at_cell(line, layout.separator, place, error);
             let name = &layout.columns[place].name;
             let value = match cell.text.as_ref() {
-                "" => f64::NAN,
-                text if self.gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap)) => f64::NAN,
+                text if is_gap(text, self.gaps) => f64::NAN,
                 text => self.mark.number(text, name).map_err(at)?,
             };
             if self.time == Some(place) {
