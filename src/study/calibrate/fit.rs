@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use nalgebra::DMatrix;
 use serde_json::Value;
 
-use super::error_model::{Correlation, Left, Shape, most_likely};
+use super::error_model::{Correlation, Left, Shape, likelier, most_likely};
 use super::mesh;
 use super::objective::CalibrationObjective;
 use super::plan::Plan;
@@ -206,9 +206,9 @@ fn estimated(plan: &mut Plan, simulated: &[Vec<Series>]) -> HostResult<f64> {
     let shapes: Vec<Vec<Shape>> = (0..plan.tests.len()).map(|test| plan.shapes(test)).collect();
     let given = (!plan.estimates_share()).then(|| plan.first_share());
     let (share, found) = most_likely(&left(plan, simulated, &shapes)?, given);
-    for (test, (shape, [most, now])) in plan.tests.iter_mut().zip(found) {
-        if most - now > LIKELIER {
-            test.signals.iter_mut().for_each(|signal| signal.errors.set_shape(shape));
+    for (test, found) in plan.tests.iter_mut().zip(found) {
+        if found.log - found.of_present > LIKELIER {
+            test.signals.iter_mut().for_each(|signal| signal.errors.set_shape(found.shape));
         }
     }
     Ok(share)
@@ -229,14 +229,9 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
         found.push(Warning::ModelError { share, correlation: shapes.join("; ") });
     }
     if plan.correlation.is_some() {
-        let any = vec![Shape::all(None); plan.tests.len()];
-        let (_, others) = most_likely(&left(plan, simulated, &any)?, None);
-        let given = plan.tests.iter().map(|test| test.shapes(plan.correlation)).collect::<Vec<_>>();
-        let (_, own) = most_likely(&left(plan, simulated, &given)?, None);
-        for ((test, (shape, [most, _])), (_, [own, _])) in
-            plan.tests.iter().zip(others).zip(own).filter(|((test, _), _)| along(test))
-        {
-            let gain = most - own;
+        let given: Vec<Vec<Shape>> = plan.tests.iter().map(|test| test.shapes(plan.correlation)).collect();
+        let others = likelier(&left(plan, simulated, &given)?);
+        for (test, (shape, gain)) in plan.tests.iter().zip(others).filter(|(test, _)| along(test)) {
             if gain > LIKELIER {
                 found.push(Warning::ModelErrorShape { test: test.name.clone(), shape: shape.to_string(), gain });
             }

@@ -490,6 +490,47 @@ mod tests {
         assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), (0.0, Size::Even))]).is_empty());
     }
 
+    /// Recordings with an error of the law, a wave of random phase that is even or in proportion to the signal: 95 % of their means lie
+    /// within the ends, of those where the signal is small and of the others alike.
+    #[test]
+    fn bands_hold_where_the_signal_is_small_and_where_it_is_large() {
+        const SHARE: f64 = 0.1;
+        let mut random = Stream::new(13);
+        let time: Vec<f64> = (0..=960).map(|sample| 0.1 / 960.0 * f64::from(sample)).collect();
+        let along = |t: f64| std::f64::consts::PI * t / 0.1;
+        let signal = |size: f64, error: &dyn Fn(f64, f64) -> f64| {
+            let value = |t: &f64| 100.0 * (along(*t).sin() + 0.1);
+            Series::new(time.clone(), time.iter().map(|t| size * value(t) + error(*t, value(t))).collect::<Vec<_>>())
+        };
+        let level = root_mean_square(signal(1.0, &|_, _| 0.0).values());
+        for size in [Size::Even, Size::InProportion] {
+            // Of the fifth at either end and of the rest: means within, and all.
+            let mut counts = [[0_usize; 2]; 2];
+            for _ in 0..300 {
+                let [own, sine, cosine] = [0, 1, 2].map(|_| random.normal());
+                let wave = |t: f64| sine * (7.0 * along(t)).sin() + cosine * (7.0 * along(t)).cos();
+                let even = |t: f64, _: f64| SHARE * level * wave(t);
+                let in_proportion = |t: f64, value: f64| SHARE * value * wave(t);
+                let recorded = match size {
+                    Size::Even => signal(1.0 + 0.02 * own, &even),
+                    Size::InProportion => signal(1.0 + 0.02 * own, &in_proportion),
+                };
+                let run = |_| (signal(1.0 + 0.02 * random.normal(), &|_, _| 0.0), (SHARE, size));
+                let runs: Vec<(Series, Error)> = (0..40).map(run).collect();
+                let within = within_band(&recorded, [0.0, 0.1], None, &runs);
+                for (bin, is_within) in within.iter().enumerate() {
+                    let part = usize::from((within.len() / 5..within.len() * 4 / 5).contains(&bin));
+                    counts[part][0] += usize::from(*is_within);
+                    counts[part][1] += 1;
+                }
+            }
+            for [within, all] in counts {
+                let share = within as f64 / all as f64;
+                assert!((share - 0.95).abs() < 0.025, "{size:?}: {counts:?}");
+            }
+        }
+    }
+
     /// Ends of some dozens of runs hold 95 % of what is drawn with them, whether the runs scatter more or the model's error.
     #[test]
     fn ends_hold_what_they_say() {

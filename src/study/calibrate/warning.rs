@@ -115,13 +115,14 @@ findings! {
             message "the model's error is estimated as {} of each signal, correlated over {correlation} (most likely)", percent(*share);
         ModelErrorShape {
             test: String, "the test" => "test";
-            shape: String, "the correlation that is likelier" => "shape";
-            gain: f64, "logarithm of its likelihood over that of the correlation that is given" => "gain";
+            shape: String, "the likeliest correlation" => "shape";
+            gain: f64, "logarithm of the mean likelihood of all correlations over that of the one that is given" => "gain";
         } = "model-error-shape", Warning;
             meaning "what the best parameters leave of a test is correlated otherwise than `correlation` says, so that intervals may be far too \
                 narrow or too wide";
             remedy "leave `correlation` out: the posterior then counts all lengths that are likely";
-            message "{test}: an error correlated over {shape} is likelier than the correlation that is given, by {} in the logarithm",
+            message "{test}: errors correlated otherwise, most likely over {shape}, are likelier than the correlation that is given, by {} \
+                in the logarithm",
                 significant(*gain, 2);
         OfRuns {
             tests: Vec<String>, "the tests" => "tests";

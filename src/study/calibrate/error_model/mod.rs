@@ -651,10 +651,20 @@ pub(super) struct Left<'a> {
     pub(super) shapes: &'a [Shape],
 }
 
+/// The shape of a test's error that is most likely, and logarithms of likelihoods.
+pub(super) struct Likeliest {
+    pub(super) shape: Shape,
+    /// Of that shape.
+    pub(super) log: f64,
+    /// Of the shape which its signals have; −∞ if it is not among those that it may have.
+    pub(super) of_present: f64,
+    /// The mean over those that it may have.
+    pub(super) mean: f64,
+}
+
 /// The share of the model's error, where none is given, for which what tests leave is most likely, zero where noise explains it; and
-/// of each test the shape that is most likely then, with the logarithm of its likelihood and that of the shape which its signals
-/// have, −∞ of one that is not among those that it may have.
-pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(Shape, [f64; 2])>) {
+/// of each test the shape that is most likely then.
+pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<Likeliest>) {
     /// Shares that are considered.
     const RANGE: [f64; 2] = [1e-4, 1.0];
     /// Shares that are tried, evenly in the logarithm: 4 % apart.
@@ -682,11 +692,25 @@ pub(super) fn most_likely(tests: &[Left<'_>], given: Option<f64>) -> (f64, Vec<(
     let shape = |(left, shapes): (&Left<'_>, &Vec<Vec<f64>>)| {
         let most = (0..shapes.len()).max_by(|a, b| shapes[*a][best].total_cmp(&shapes[*b][best])).unwrap_or(0);
         let has = left.signals.first().map(|(model, _)| model.shape());
-        let now =
-            left.shapes.iter().position(|own| Some(*own) == has).map_or(f64::NEG_INFINITY, |own| shapes[own][best]);
-        (left.shapes[most], [shapes[most][best], now])
+        let present = left.shapes.iter().position(|own| Some(*own) == has);
+        Likeliest {
+            shape: left.shapes[most],
+            log: shapes[most][best],
+            of_present: present.map_or(f64::NEG_INFINITY, |own| shapes[own][best]),
+            mean: log_mean_exp(shapes.iter().map(|own| own[best])),
+        }
     };
     (shares[best], tests.iter().zip(&all).map(shape).collect())
+}
+
+/// Of each test, the shape that is likeliest of all that there are, and by how much the logarithm of the mean likelihood of all is
+/// larger than that of the shapes which the test may have: the best of so many is always likelier than a right one.
+pub(super) fn likelier(tests: &[Left<'_>]) -> Vec<(Shape, f64)> {
+    let all = Shape::all(None);
+    let any = tests.iter().map(|own| Left { signals: own.signals.clone(), weight: own.weight, shapes: &all });
+    let any: Vec<Left<'_>> = any.collect();
+    let [any, own] = [&any[..], tests].map(|tests| most_likely(tests, None).1);
+    any.into_iter().zip(own).map(|(any, own)| (any.shape, any.mean - own.mean)).collect()
 }
 
 /// Logarithm of the mean of exponentials.

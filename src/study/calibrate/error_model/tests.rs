@@ -468,8 +468,35 @@ fn the_likelier_shape_is_found() {
         let left = Left { signals: vec![(&model, model.scaled(&series[0]).unwrap())], weight: 1.0, shapes: &shapes };
         let (share, found) = most_likely(&[left], None);
         assert!((0.015..0.09).contains(&share), "{share}");
-        let Shape { order, rough, .. } = found[0].0;
-        assert_eq!(order != 1 && rough < 0.3, is_smooth, "{}", found[0].0);
+        let Shape { order, rough, .. } = found[0].shape;
+        assert_eq!(order != 1 && rough < 0.3, is_smooth, "{}", found[0].shape);
+    }
+}
+
+/// Of errors over 10 % of the window, this length is less likely than all together in no more studies than chance explains (e⁻² of
+/// them, Markov), and a length of 2 % in nearly all.
+#[test]
+fn a_wrong_correlation_is_told_from_a_right_one() {
+    const STUDIES: usize = 20;
+    let series = parts();
+    let level = root_mean_square(series[0].values());
+    for process in [Process::Smooth(0.1), Process::Rough(0.1)] {
+        let mut told = [0; 2];
+        for seed in 0..STUDIES as u64 {
+            let mut stream = Stream::new(seed);
+            let error = process.draw(SAMPLES_OF_STUDY, &mut stream);
+            let own = series[0].values().iter().zip(error);
+            let values =
+                own.map(|(own, error)| own + TRUE_SHARE * level * error + 0.3 * stream.normal()).collect::<Vec<_>>();
+            let model = model(&Series::new(series[0].time().to_vec(), values), ROUGH);
+            for (told, length) in told.iter_mut().zip([0.1, 0.02]) {
+                let shapes = Shape::all(Some(Correlation::Share(length)));
+                let signals = vec![(&model, model.scaled(&series[0]).unwrap())];
+                let [(_, gain)] = likelier(&[Left { signals, weight: 1.0, shapes: &shapes }])[..] else { panic!() };
+                *told += usize::from(gain > 2.0);
+            }
+        }
+        assert!(told[0] <= STUDIES / 5 && told[1] >= STUDIES * 9 / 10, "{process:?}: {told:?} of {STUDIES}");
     }
 }
 

@@ -675,16 +675,16 @@ impl<'a> Sampling<'a> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
-    /// How likely the model's error is in proportion to the signal at a state, mean over the tests that have an error along one; zero
-    /// where none has.
-    fn in_proportion(&self, surrogates: &[TestSurrogate], state: &[f64]) -> f64 {
+    /// How likely the model's error is in proportion to the signal at a state, mean over the tests whose error may have one of several
+    /// `shapes`; zero where none may.
+    fn in_proportion(&self, surrogates: &[TestSurrogate], shapes: &[Vec<Shape>], state: &[f64]) -> f64 {
         let of_test = |(test, surrogate): (usize, &TestSurrogate)| {
-            let shapes = self.plan.shapes(test);
+            let shapes = &shapes[test];
             let x = self.layout.in_test(state, test);
             let point: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
             let found = surrogate.predicted(&point).filter(|_| shapes.len() > 1)?;
             let logs = surrogate.of_shapes(&found, self.layout.share(state, self.plan));
-            let own = logs.iter().zip(&shapes).filter(|(_, shape)| shape.size() == Size::InProportion);
+            let own = logs.iter().zip(shapes).filter(|(_, shape)| shape.size() == Size::InProportion);
             let share = own.clone().count() as f64 / shapes.len() as f64;
             Some(share * (log_mean_exp(own.map(|(log, _)| *log)) - log_mean_exp(logs.iter().copied())).exp())
         };
@@ -697,7 +697,8 @@ impl<'a> Sampling<'a> {
         let samples = self.samples(&mut so_far, true)?;
         let SoFar { runs, failed, computed, rounds, surrogates, errors, is_inside, .. } = so_far;
         let states = kept(samples.points, self.options.seed);
-        let in_proportion = states.par_iter().map(|state| self.in_proportion(&surrogates, state)).collect();
+        let shapes: Vec<Vec<Shape>> = (0..self.plan.tests.len()).map(|test| self.plan.shapes(test)).collect();
+        let in_proportion = states.par_iter().map(|state| self.in_proportion(&surrogates, &shapes, state)).collect();
         let mut warnings = Vec::new();
         if !is_inside {
             warnings.push(Warning::PosteriorCut { rounds });
