@@ -101,7 +101,7 @@ def main():
         return
     for kind, (make, reader) in FORMATS.items():
         with tempfile.TemporaryDirectory() as folder:
-            paths = make(folder)
+            paths = make(Path(folder))
             channels = sum(compare(sys.argv[1], path, reader(path)) for path in paths)
             print(f"  {kind}: {len(paths)} files, {channels} channels")
     with tempfile.TemporaryDirectory() as folder:
