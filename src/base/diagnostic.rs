@@ -32,19 +32,16 @@ impl Source {
 
     /// A part of the file at `path`, too long to be held: the `text` from the line `first_line` on.
     pub fn excerpt(path: &Path, first_line: usize, text: String) -> Arc<Source> {
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Arc::new(Source { name: shown_path(path), text, folder, first_line, line_starts: OnceLock::new() })
+        Source::new(shown_path(path), text, path.parent().unwrap_or(Path::new("")), first_line)
     }
 
     /// A text that is not a file; its relative paths start from the working directory.
     pub fn unfiled(name: &str, text: String) -> Arc<Source> {
-        Arc::new(Source {
-            name: name.to_owned(),
-            text,
-            folder: PathBuf::new(),
-            first_line: 1,
-            line_starts: OnceLock::new(),
-        })
+        Source::new(name.to_owned(), text, Path::new(""), 1)
+    }
+
+    fn new(name: String, text: String, folder: &Path, first_line: usize) -> Arc<Source> {
+        Arc::new(Source { name, text, folder: folder.to_owned(), first_line, line_starts: OnceLock::new() })
     }
 
     fn line_starts(&self) -> &[usize] {
@@ -78,8 +75,8 @@ impl Span {
     /// The bytes `range` of `source`, moved to whole characters within the text.
     pub fn new(source: &Arc<Source>, range: Range<usize>) -> Span {
         let text = &source.text;
-        let start = floor_boundary(text, range.start);
-        let end = floor_boundary(text, range.end).max(start);
+        let start = text.floor_char_boundary(range.start);
+        let end = text.floor_char_boundary(range.end).max(start);
         Span { source: source.clone(), range: start..end }
     }
 
@@ -118,11 +115,6 @@ impl fmt::Debug for Span {
         let (line, column) = self.start();
         write!(f, "{}:{line}:{column}", self.source.name)
     }
-}
-
-fn floor_boundary(text: &str, at: usize) -> usize {
-    let at = at.min(text.len());
-    (0..=at).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
 }
 
 /// One mistake in the user's input.

@@ -131,11 +131,9 @@ pub fn own_folder(path: &Path) -> io::Result<()> {
 /// # Errors
 /// What is there cannot be removed, or the file cannot be created.
 pub fn create_own(path: &Path) -> io::Result<File> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        // Exclusively: a link that is made meanwhile is not followed either.
-        _ => File::create_new(path),
-    }
+    remove(path)?;
+    // Exclusively: a link that is made meanwhile is not followed either.
+    File::create_new(path)
 }
 
 /// Writes `bytes` to `path` in one piece: a reader finds what was there before or all of them.

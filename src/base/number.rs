@@ -37,6 +37,11 @@ pub fn plain(value: f64) -> String {
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
+/// The least and the largest of `values`; none of none.
+pub fn ends(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    values.into_iter().map(|value| [value; 2]).reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])
+}
+
 /// A count with its digits in groups of three: `11 240`.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
@@ -122,7 +122,7 @@ pub fn boot() -> &'static str {
 fn sweep_once(folder: &Path) {
     static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let place = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(place) {
+    if crate::lock(&SWEPT).insert(place) {
         sweep(folder);
     }
 }
