@@ -8,7 +8,7 @@ use quick_xml::escape::escape;
 use super::camera::Camera;
 use super::drawing::SCENE;
 use base::number::significant;
-use plot::{Style, ticks, viridis};
+use plot::{Along, Style, viridis};
 
 const INK: &str = "#1c2126";
 const PALE: &str = "#56616b";
@@ -86,8 +86,9 @@ impl Setting<'_> {
              <rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{wide:.2}\" height=\"{high:.2}\" fill=\"url(#bar)\"/>"
         );
         let [low, most] = range.map(f64::from);
-        for value in ticks([low, most], NUMBERS) {
-            let at = y + high * (1.0 - (value - low) / (most - low));
+        let along = Along::between(low, most);
+        for value in along.ticks(NUMBERS) {
+            let at = y + high * (1.0 - along.share(value));
             let (from, to) = (x + wide, x + wide + 0.35 * em);
             let number = significant(value, DIGITS).replace('-', "−");
             let _ = writeln!(

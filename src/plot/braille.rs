@@ -19,13 +19,11 @@ const DIGITS: usize = 4;
 /// The plot in `size` characters across and down, without the texts beside and below; all curves look alike. A mark is a
 /// dotted line with its label below the axis. Empty where no curve has a point.
 pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
-    let curves = plot.curves.iter().map(|curve| &curve.points);
-    let placed: Vec<Vec<Option<[f64; 2]>>> = curves
-        .map(|points| {
-            points.iter().map(|p| plot.has_place(p).then(|| [on(&plot.x, p[0]), on(&plot.y, p[1])])).collect()
-        })
-        .collect();
-    let Some([x, y]) = ranges(placed.iter().flatten().flatten()) else { return String::new() };
+    let place = |p: &[f64; 2]| plot.has_place(p).then(|| [plot.x.scale.along(p[0]), plot.y.scale.along(p[1])]);
+    let placed: Vec<Vec<Option<[f64; 2]>>> =
+        plot.curves.iter().map(|curve| curve.points.iter().map(place).collect()).collect();
+    let range = |axis: usize| number::ends(placed.iter().flatten().flatten().map(|point| point[axis]));
+    let (Some(x), Some(y)) = (range(0), range(1)) else { return String::new() };
     let mut canvas = Canvas::new(size);
     let dots = [(size[0] * ACROSS - 1) as f64, (size[1] * DOWN - 1) as f64];
     let dot = |[a, b]: [f64; 2]| [share(a, x) * dots[0], (1.0 - share(b, y)) * dots[1]];
@@ -45,7 +43,7 @@ pub fn braille(plot: &Plot, size: [usize; 2]) -> String {
 
 /// The columns of characters of the marks within the ends of the x axis, from left to right, with their labels.
 fn marked(plot: &Plot, [from, to]: [f64; 2], width: usize) -> Vec<(usize, &str)> {
-    let inside = plot.marks.iter().map(|mark| (on(&plot.x, mark.at), mark.label.as_str()));
+    let inside = plot.marks.iter().map(|mark| (plot.x.scale.along(mark.at), mark.label.as_str()));
     let inside = inside.filter(|(at, _)| (from..=to).contains(at));
     let dots = (width * ACROSS - 1) as f64;
     let mut columns: Vec<(usize, &str)> =
@@ -72,21 +70,9 @@ fn labelled(columns: &[(usize, &str)], width: usize) -> Vec<String> {
     lines
 }
 
-/// A value on its axis.
-fn on(axis: &Axis, value: f64) -> f64 {
-    if axis.scale == Scale::Logarithmic { value.log10() } else { value }
-}
-
+/// The value at a place of an axis.
 fn off(axis: &Axis, value: f64) -> f64 {
     if axis.scale == Scale::Logarithmic { 10_f64.powf(value) } else { value }
-}
-
-/// The extent of the points along both axes.
-fn ranges<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Option<[[f64; 2]; 2]> {
-    points.fold(None, |ranges, point| {
-        let ranges = ranges.unwrap_or(point.map(|value| [value, value]));
-        Some([0, 1].map(|axis| [ranges[axis][0].min(point[axis]), ranges[axis][1].max(point[axis])]))
-    })
 }
 
 /// Where a value lies between the ends of a range; in its middle where these are the same.

@@ -7,8 +7,10 @@ mod style;
 pub mod viridis;
 
 pub use braille::braille;
-pub use picture::{svg, svg_in, ticks};
+pub use picture::{Along, svg, svg_in, tick};
 pub use style::Style;
+
+use serde::{Deserialize, Serialize};
 
 /// Label of an axis of time.
 pub const TIME: &str = "time (ms)";
@@ -31,22 +33,44 @@ pub struct Plot {
 }
 
 /// Quantity and scale of an axis.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Axis {
     /// Quantity and unit, e.g. `time (ms)`.
+    #[serde(rename = "words")]
     pub label: String,
     /// Linear or logarithmic.
+    #[serde(rename = "log")]
     pub scale: Scale,
 }
 
-/// How values are laid along an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How values are laid along an axis; it is serialized as whether it is logarithmic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "bool", into = "bool")]
 pub enum Scale {
     /// In proportion.
     #[default]
     Linear,
     /// By decades; values that are not positive have no place.
     Logarithmic,
+}
+
+impl Scale {
+    /// A value on it: its logarithm on a logarithmic one.
+    fn along(self, value: f64) -> f64 {
+        if self == Scale::Logarithmic { value.log10() } else { value }
+    }
+}
+
+impl From<bool> for Scale {
+    fn from(is_logarithmic: bool) -> Scale {
+        if is_logarithmic { Scale::Logarithmic } else { Scale::Linear }
+    }
+}
+
+impl From<Scale> for bool {
+    fn from(scale: Scale) -> bool {
+        scale == Scale::Logarithmic
+    }
 }
 
 /// Points in their order; one that is not finite interrupts the curve.
@@ -61,7 +85,8 @@ pub struct Curve {
 }
 
 /// How a curve is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Look {
     /// A solid line through the points.
     #[default]
@@ -73,18 +98,20 @@ pub enum Look {
 }
 
 /// An interval of the x axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Label of the interval.
+    #[serde(rename = "words")]
     pub label: String,
     /// From and to, in the unit of the axis.
     pub range: [f64; 2],
 }
 
 /// A place on the x axis, such as the time of an event.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mark {
     /// The event.
+    #[serde(rename = "words")]
     pub label: String,
     /// In the unit of the axis.
     pub at: f64,
@@ -164,9 +191,16 @@ pub fn outline(points: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
 /// The plots with at most `most` points together, but 3 a curve at least: long curves are thinned, all to the same
 /// number of points.
 pub fn thinned(plots: Vec<Plot>, most: usize) -> Vec<Plot> {
-    let share = share(plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).collect(), most);
+    let [plots] = thinned_together([plots], most);
+    plots
+}
+
+/// As [`thinned`], of all groups of plots together.
+pub fn thinned_together<const N: usize>(groups: [Vec<Plot>; N], most: usize) -> [Vec<Plot>; N] {
+    let curves = groups.iter().flatten().flat_map(|plot| &plot.curves);
+    let share = share(curves.map(|curve| curve.points.len()).collect(), most);
     let thin = |plot: Plot| Plot { curves: plot.curves.iter().map(|curve| curve.thinned(share)).collect(), ..plot };
-    plots.into_iter().map(thin).collect()
+    groups.map(|plots| plots.into_iter().map(thin).collect())
 }
 
 /// Share of each so that all together have `most`: those that have less leave the rest to the others.

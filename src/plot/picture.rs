@@ -13,7 +13,7 @@ use plotters::prelude::{
 
 use super::style::Style;
 use super::{Curve, Look, Plot, Scale};
-use base::number::significant;
+use base::number::{ends, significant};
 
 /// Units of the drawing for a pixel of a page: the crate places points at whole units.
 const UNITS: i32 = 10;
@@ -265,22 +265,36 @@ fn draw_marks(
 }
 
 /// The values along an axis.
-struct Along {
+pub struct Along {
     /// Of its ends.
     range: [f64; 2],
     scale: Scale,
 }
 
 impl Along {
-    /// Ends and scale of x or y.
-    fn from_plot(plot: &Plot, index: usize) -> Along {
+    /// Those of x (0) or y (1).
+    pub fn from_plot(plot: &Plot, index: usize) -> Along {
         let scale = [plot.x.scale, plot.y.scale][index];
         let points = plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
-        let ends = points.map(|point| point[index]).fold(None, |ends: Option<[f64; 2]>, value| {
-            let [low, high] = ends.unwrap_or([value; 2]);
-            Some([low.min(value), high.max(value)])
-        });
+        let ends = ends(points.map(|point| point[index]));
         Along { range: widened(ends.unwrap_or([1.0, 2.0]), scale), scale }
+    }
+
+    /// Those of a linear axis from `low` to `high`; it is wider where these are the same.
+    pub fn between(low: f64, high: f64) -> Along {
+        let (ends, scale) = ([low, high], Scale::Linear);
+        Along { range: if low < high { ends } else { widened(ends, scale) }, scale }
+    }
+
+    /// Where a value lies: zero at the lower end, one at the upper.
+    pub fn share(&self, value: f64) -> f64 {
+        let [low, high] = self.range.map(|end| self.scale.along(end));
+        (self.scale.along(value) - low) / (high - low)
+    }
+
+    /// At most so many round values.
+    pub fn ticks(&self, most: usize) -> Vec<f64> {
+        self.key_points(most)
     }
 }
 
@@ -289,9 +303,8 @@ impl Ranged for Along {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        let along = |value: f64| if self.scale == Scale::Linear { value } else { value.log10() };
-        let [low, high] = self.range.map(along);
-        from + (f64::from(to - from) * (along(*value) - low) / (high - low)).round() as i32
+        let [low, high] = self.range.map(|end| self.scale.along(end));
+        from + (f64::from(to - from) * (self.scale.along(*value) - low) / (high - low)).round() as i32
     }
 
     /// Round values; of a logarithmic axis decades, and where there are few of them their double and fivefold.
@@ -313,7 +326,7 @@ impl Ranged for Along {
 
 impl ValueFormatter<f64> for Along {
     fn format_ext(&self, value: &f64) -> String {
-        significant(*value, TICK_DIGITS)
+        tick(*value)
     }
 }
 
@@ -391,9 +404,9 @@ fn draw_entry(
     Ok(area.draw(&Text::new(curve.name.as_str(), place, layout.text()))?)
 }
 
-/// At most so many round values within a range.
-pub fn ticks(range: [f64; 2], most: usize) -> Vec<f64> {
-    Along { range, scale: Scale::Linear }.key_points(most)
+/// A value of an axis as it is written beside it.
+pub fn tick(value: f64) -> String {
+    significant(value, TICK_DIGITS)
 }
 
 #[cfg(test)]
