@@ -8,9 +8,9 @@ use droptower::model;
 use droptower::scenario::Document;
 use droptower::signal::{Recording, csv};
 use droptower::simulate::{self, FilmState, Outcome};
+use playback::Playback;
 use tempfile::TempDir;
 use viz::TIME;
-use viz::playback::Playback;
 
 use crate::workbench::{droptower, printed, root};
 

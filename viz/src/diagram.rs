@@ -7,7 +7,8 @@ use re_sdk_types::AsComponents;
 use re_sdk_types::archetypes::{Boxes2D, LineStrips2D, Points2D};
 use re_sdk_types::components::Radius;
 
-use crate::quantity::{GREY, Scale, Stroke};
+use crate::quantity::{GREY, Stroke, ticks};
+use plot::{Along, Curve, Look, Plot, Window};
 
 /// Width of the box that curves are drawn in over its height.
 pub(crate) const WIDTH: f64 = 1.6;
@@ -15,59 +16,13 @@ pub(crate) const WIDTH: f64 = 1.6;
 /// Visible part of the plane, across and down: the box with its labels and legend.
 pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.6], [-0.12, 1.2]];
 
-/// A diagram of curves.
+/// A plot among the entities of a recording.
 #[derive(Clone, Debug)]
 pub struct Diagram {
     /// Entity path, e.g. `diagrams/force`; no part of it is the path of another diagram.
     pub path: String,
-    /// Title above it.
-    pub title: String,
-    /// Across and up.
-    pub axes: [Axis; 2],
-    /// In the order of the legend.
-    pub curves: Vec<Curve>,
-    /// The marked stretch of the axis across, if there is one.
-    pub window: Option<Window>,
-}
-
-/// A stretch of the axis across to be marked.
-#[derive(Clone, Debug)]
-pub struct Window {
-    /// Its label.
-    pub label: String,
-    /// Its ends, in the unit of the axis.
-    pub ends: [f64; 2],
-}
-
-/// An axis of a diagram.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    /// Quantity and unit.
-    pub label: String,
-    /// Logarithmic; values that are not positive are not drawn.
-    pub logarithmic: bool,
-}
-
-/// Points in their order; one that is not finite interrupts the curve.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// Label in the legend.
-    pub name: String,
-    /// Across and up, in the units of the axes.
-    pub points: Vec<[f64; 2]>,
-    /// How it is drawn.
-    pub look: Look,
-}
-
-/// How a curve is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
-    /// A continuous line.
-    Line,
-    /// A reference.
-    Dashed,
-    /// Points without a line.
-    Points,
+    /// What is drawn; marks are left out.
+    pub plot: Plot,
 }
 
 /// Lengths of a dash and of the gap after it, in heights of the box.
@@ -88,74 +43,74 @@ type Point = [f32; 2];
 
 /// Logs border, ticks, legend and all curves.
 pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStreamResult<()> {
-    let page = Page::from_diagram(diagram);
-    let entity = |part: &str| format!("{}/{part}", diagram.path);
+    let Diagram { path, plot } = diagram;
+    let page = Page::from_plot(plot);
+    let entity = |part: &str| format!("{path}/{part}");
     stream.log_static(entity("frame"), &page.border())?;
-    stream.log_static(entity("labels"), &page.labels(diagram))?;
-    stream.log_static(entity("legend"), &legend(diagram))?;
-    if let Some(window) = &diagram.window {
+    stream.log_static(entity("labels"), &page.labels())?;
+    stream.log_static(entity("legend"), &legend(plot))?;
+    if let Some(window) = &plot.window {
         let [from, to] = page.ends(window);
         stream.log_static(entity("window"), &outline([from, to]))?;
         let label = (place(0.5 * (from + to), 0.99), window.label.clone());
         stream.log_static(entity("window/words"), &texts([label].into_iter(), [GREY]))?;
     }
-    for (index, curve) in diagram.curves.iter().enumerate() {
+    for (index, curve) in plot.curves.iter().enumerate() {
         stream.log_static(entity(&format!("curves/{index}")), page.drawn(curve, stroke(curve, index)).as_ref())?;
     }
     Ok(())
 }
 
-/// The scales of a diagram.
-struct Page {
-    x: Scale,
-    y: Scale,
+/// A plot and the values along its axes.
+struct Page<'a> {
+    plot: &'a Plot,
+    x: Along,
+    y: Along,
 }
 
-impl Page {
-    fn from_diagram(diagram: &Diagram) -> Page {
-        let points = || diagram.curves.iter().flat_map(|curve| &curve.points);
-        let [across, up] = [&diagram.axes[0], &diagram.axes[1]];
-        Page {
-            x: Scale::over(points().map(|point| point[0]), across.logarithmic),
-            y: Scale::over(points().map(|point| point[1]), up.logarithmic).rounded(),
-        }
+impl Page<'_> {
+    fn from_plot(plot: &Plot) -> Page<'_> {
+        Page { plot, x: Along::from_plot(plot, 0), y: Along::from_plot(plot, 1) }
     }
 
-    fn point_at(&self, [x, y]: [f64; 2]) -> Option<Point> {
-        Some(place(self.x.share(x)?, self.y.share(y)?))
+    fn point_at(&self, point: &[f64; 2]) -> Option<Point> {
+        self.plot.has_place(point).then(|| place(self.x.share(point[0]), self.y.share(point[1])))
     }
 
     /// The box and its ticks.
     fn border(&self) -> LineStrips2D {
         let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]].map(|[x, y]| place(x, y)).to_vec();
-        let below = self.x.ticks().into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
-        let left = self.y.ticks().into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
+        let below = ticks(&self.x).into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
+        let left = ticks(&self.y).into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
         let strips: Vec<_> = std::iter::once(outline).chain(below).chain(left).collect();
         LineStrips2D::new(strips).with_colors([GREY]).with_radii([Radius::new_ui_points(0.5)])
     }
 
     /// Numbers at the ticks and the labels of both axes.
-    fn labels(&self, diagram: &Diagram) -> Points2D {
-        let below = self.x.ticks().into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
-        let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
-        let across = (place(0.5, -BELOW[1]), diagram.axes[0].label.clone());
-        let up = (place(0.0, 1.0 + 4.0 * LABEL), diagram.axes[1].label.clone());
+    fn labels(&self) -> Points2D {
+        let Plot { x, y, .. } = self.plot;
+        let below = ticks(&self.x).into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
+        let left = ticks(&self.y).into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
+        let across = (place(0.5, -BELOW[1]), x.label.clone());
+        let up = (place(0.0, 1.0 + 4.0 * LABEL), y.label.clone());
         texts(below.chain(left).chain([across, up]), [GREY])
     }
 
     /// Shares of the axis across at which a window begins and ends.
     fn ends(&self, window: &Window) -> [f64; 2] {
-        window.ends.map(|end| self.x.share(end).unwrap_or(0.0).clamp(0.0, 1.0))
+        // A logarithmic axis has no place for zero.
+        let share = |end| Some(self.x.share(end)).filter(|share| !share.is_nan());
+        window.range.map(|end| share(end).unwrap_or(0.0).clamp(0.0, 1.0))
     }
 
     fn drawn(&self, curve: &Curve, stroke: Stroke) -> Box<dyn AsComponents> {
         let radius = Radius::new_ui_points(0.5 * stroke.width);
         if curve.look == Look::Points {
-            let points = curve.points.iter().filter_map(|point| self.point_at(*point));
+            let points = curve.points.iter().filter_map(|point| self.point_at(point));
             let radius = Radius::new_ui_points(1.5 * stroke.width);
             return Box::new(Points2D::new(points).with_colors([stroke.colour]).with_radii([radius]));
         }
-        let whole = strips(curve.points.iter().map(|point| self.point_at(*point)));
+        let whole = strips(curve.points.iter().map(|point| self.point_at(point)));
         let strips = match curve.look {
             Look::Dashed => whole.iter().flat_map(|strip| dashes(strip)).collect(),
             _ => whole,
@@ -185,11 +140,11 @@ fn stroke(curve: &Curve, index: usize) -> Stroke {
 }
 
 /// The names of the curves in their colours, in a column right of the box.
-fn legend(diagram: &Diagram) -> Points2D {
+fn legend(plot: &Plot) -> Points2D {
     let entry = |(index, curve): (usize, &Curve)| {
         (place(1.0 + LEGEND[0] / WIDTH, 1.0 - LEGEND[1] * index as f64), curve.name.clone())
     };
-    let curves = || diagram.curves.iter().enumerate();
+    let curves = || plot.curves.iter().enumerate();
     let colours: Vec<[u8; 3]> = curves().map(|(index, curve)| stroke(curve, index).colour).collect();
     texts(curves().map(entry), colours)
 }

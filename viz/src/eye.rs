@@ -65,7 +65,7 @@ mod tests {
 
     /// One triangle from the origin to a corner, and a failed one far away.
     fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {
-        let film = FilmTrack { triangles: vec![[0, 1, 1], [0, 2, 2]], images, ..FilmTrack::default() };
+        let film = FilmTrack { patches: vec![[0, 1, 1, 1], [0, 2, 2, 2]], images, ..FilmTrack::default() };
         let positions = vec![[0.0; 3], corner, [1e6; 3]];
         let snapshot = FilmSnapshot { positions, visible: vec![true, false], ..FilmSnapshot::default() };
         Scene { extent: Extent::default().with(&film, &snapshot), films: vec![film], ..Scene::default() }

@@ -10,7 +10,7 @@ use re_sdk_types::datatypes::{Quaternion, Rgba32};
 use re_sdk_types::external::re_types_core::DynamicArchetype;
 
 use crate::quantity::{self, Quantity, TIME};
-use crate::scene::{BodyTrack, Extent, FilmSnapshot, FilmTrack, PointTrack, Pose, SpringTrack, mirrored};
+use crate::scene::{BodyTrack, Extent, FilmSnapshot, FilmTrack, PointTrack, Pose, SpringTrack, mirrored, triangles};
 
 /// Name of the colours of one quantity among the components of a film.
 pub(crate) const COLOURS: &str = "Colours";
@@ -62,7 +62,7 @@ impl Film {
         quantities: &[Quantity],
     ) -> RecordingStreamResult<()> {
         stream.set_duration_secs(TIME, snapshot.time);
-        // The viewer keeps what was logged last: indices are sent only when triangles vanish.
+        // The viewer keeps what was logged last: indices are sent only when elements vanish.
         let broke = self.shown.visible != snapshot.visible;
         let mut mesh =
             Mesh3D::update_fields().with_vertex_positions(snapshot.positions.iter().map(|p| rounded(p, self.step)));
@@ -76,59 +76,25 @@ impl Film {
         }
         let mut colours = DynamicArchetype::new(COLOURS);
         for (quantity, values) in quantities.iter().zip(&snapshot.values) {
-            let shades = quantity::colours(quantity.colours, values, quantity.range);
+            let shades = quantity::colours(values, quantity.range);
             let shades = shades.map(|[r, g, b]| Color::from_rgb(r, g, b));
             colours = colours.with_component::<Color>(quantity.key, shades);
         }
         stream.log(entity(track), &[&mesh as &dyn AsComponents, &colours])?;
         self.states += 1;
-        self.log_held(stream, track, snapshot)?;
-        self.log_springs(stream, track, snapshot)?;
-        self.log_contact(stream, track, snapshot)
-    }
-
-    /// The held edges, where they have moved.
-    fn log_held(
-        &mut self,
-        stream: &RecordingStream,
-        track: &FilmTrack,
-        snapshot: &FilmSnapshot,
-    ) -> RecordingStreamResult<()> {
-        let ends = |edge: &[u32; 2]| edge.map(|node| rounded(&snapshot.positions[node as usize], self.step));
-        let held: Vec<_> = track.held.iter().map(ends).collect();
-        // Compared after rounding: a frame that stands still is logged once.
-        if held == self.shown.held {
-            return Ok(());
-        }
-        let whole = images(track).flat_map(|image| held.iter().map(move |edge| edge.map(|end| mirrored(end, image))));
-        let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(2.0)]);
-        stream.log(format!("scene/frame/{}", track.name), &lines)?;
-        self.shown.held = held;
-        Ok(())
-    }
-
-    /// The springs, from the frame to the edge, where they have moved.
-    fn log_springs(
-        &mut self,
-        stream: &RecordingStream,
-        track: &FilmTrack,
-        snapshot: &FilmSnapshot,
-    ) -> RecordingStreamResult<()> {
-        let line = |spring: &SpringTrack| {
-            let [from, to] = spring.nodes.map(|node| snapshot.positions[node as usize]);
-            let end = [0, 1, 2].map(|axis| from[axis] * spring.shares[0] + to[axis] * spring.shares[1]);
-            [spring.anchor, end].map(|end| rounded(&end, self.step))
+        let at = |node: u32| snapshot.positions[node as usize];
+        let edge = |edge: &[u32; 2]| edge.map(|node| rounded(&at(node), self.step));
+        let held = track.held.iter().map(edge).collect();
+        log_lines(stream, track, ("frame", 2.0), held, &mut self.shown.held)?;
+        // From the frame to the edge.
+        let spring = |SpringTrack { anchor, nodes, shares }: &SpringTrack| {
+            let [from, to] = nodes.map(at);
+            let end = [0, 1, 2].map(|axis| from[axis] * shares[0] + to[axis] * shares[1]);
+            [*anchor, end].map(|end| rounded(&end, self.step))
         };
-        let springs: Vec<_> = track.springs.iter().map(line).collect();
-        if springs == self.shown.springs {
-            return Ok(());
-        }
-        let whole =
-            images(track).flat_map(|image| springs.iter().map(move |line| line.map(|end| mirrored(end, image))));
-        let lines = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(1.0)]);
-        stream.log(format!("scene/springs/{}", track.name), &lines)?;
-        self.shown.springs = springs;
-        Ok(())
+        let springs = track.springs.iter().map(spring).collect();
+        log_lines(stream, track, ("springs", 1.0), springs, &mut self.shown.springs)?;
+        self.log_contact(stream, track, snapshot)
     }
 
     /// The nodes in contact, until there are none.
@@ -151,6 +117,25 @@ impl Film {
         self.shown.in_contact = !snapshot.in_contact.is_empty();
         Ok(())
     }
+}
+
+/// Lines of a film and its mirror images, of a name and a width, where they are not those that are shown.
+fn log_lines(
+    stream: &RecordingStream,
+    track: &FilmTrack,
+    (name, width): (&str, f32),
+    lines: Vec<[[f32; 3]; 2]>,
+    shown: &mut Vec<[[f32; 3]; 2]>,
+) -> RecordingStreamResult<()> {
+    // Compared after rounding: a frame that stands still is logged once.
+    if lines == *shown {
+        return Ok(());
+    }
+    let whole = images(track).flat_map(|image| lines.iter().map(move |line| line.map(|end| mirrored(end, image))));
+    let strips = LineStrips3D::new(whole).with_colors([FRAME]).with_radii([Radius::new_ui_points(width)]);
+    stream.log(format!("scene/{name}/{}", track.name), &strips)?;
+    *shown = lines;
+    Ok(())
 }
 
 /// Entity of a film.
@@ -176,8 +161,7 @@ fn rounded(point: &[f32; 3], step: f32) -> [f32; 3] {
 
 /// The intact triangles.
 fn visible(film: &FilmTrack, snapshot: &FilmSnapshot) -> Vec<[u32; 3]> {
-    let both = film.triangles.iter().zip(&snapshot.visible);
-    let mut left: Vec<_> = both.filter(|(_, v)| **v).map(|(t, _)| *t).collect();
+    let mut left: Vec<_> = film.visible(snapshot).collect();
     if left.is_empty() {
         // Without any indices, every three vertices would be drawn as a triangle.
         left.push([0; 3]);
@@ -222,7 +206,8 @@ impl Corners {
     fn from_body(body: &BodyTrack) -> Corners {
         let mut corners = Corners { points: vec![], normals: vec![], triangles: vec![] };
         let mut known = HashMap::new();
-        for (triangle, normals) in body.triangles.iter().zip(corner_normals(&body.points, &body.triangles)) {
+        let triangles: Vec<[u32; 3]> = triangles(body.patches.iter().copied()).collect();
+        for (triangle, normals) in triangles.iter().zip(corner_normals(&body.points, &triangles)) {
             corners.triangles.push([0, 1, 2].map(|corner| {
                 let (point, normal): (u32, [f32; 3]) = (triangle[corner], normals[corner]);
                 // By the bits of the rounded normal, which faces around a smooth point share; a float is no key.
@@ -256,12 +241,10 @@ const NORMAL_STEPS: f32 = 32.0;
 /// Cosine of the angle between two triangles from which there is an edge between them: 30°.
 const EDGE: f32 = 0.866;
 
-/// One normal a node, weighted by the area of the triangles that are left around it; on a mirror
+/// One normal a node, weighted by the area of what is left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
-pub fn node_normals(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
-    let left = film.triangles.iter().zip(&snapshot.visible);
-    let left = left.filter(|(_, visible)| **visible).map(|(t, _)| *t);
-    let mut normals = sums(&snapshot.positions, left);
+fn node_normals(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec<[f32; 3]> {
+    let mut normals = sums(&snapshot.positions, film.visible(snapshot));
     for (normal, position) in normals.iter_mut().zip(&snapshot.positions) {
         for axis in (0..2).filter(|axis| film.images.iter().any(|image| image[*axis] < 0.0)) {
             if position[axis].abs() < near {
@@ -274,7 +257,7 @@ pub fn node_normals(film: &FilmTrack, snapshot: &FilmSnapshot, near: f32) -> Vec
 
 /// The normals at the corners of each triangle of a closed surface, weighted by the area of those around the corner
 /// that do not turn away from it by more than an edge does.
-pub fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
+fn corner_normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[f32; 3]; 3]> {
     let areas: Vec<[f32; 3]> = triangles.iter().map(|triangle| area(points, triangle)).collect();
     let mut around: Vec<Vec<usize>> = vec![vec![]; points.len()];
     for (index, triangle) in triangles.iter().enumerate() {
@@ -341,16 +324,15 @@ mod tests {
     /// Eight corners with three normals each; a slanted one of a flat pyramid, one for all around.
     #[test]
     fn edges_are_sharp_and_what_is_round_is_smooth() {
-        let body = |points: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>| BodyTrack {
+        let body = |points: Vec<[f32; 3]>, patches: Vec<[u32; 4]>| BodyTrack {
             name: "body".to_owned(),
             points,
-            triangles,
+            patches,
             poses: vec![],
         };
         let cube = (0..8).map(|corner| [corner & 1, corner >> 1 & 1, corner >> 2].map(|c| c as f32)).collect();
-        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        let corners = Corners::from_body(&body(cube, halves.collect()));
+        let sides = vec![[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let corners = Corners::from_body(&body(cube, sides));
         assert_eq!((corners.points.len(), corners.triangles.len()), (24, 12));
         for triangle in &corners.triangles {
             let normals = triangle.map(|corner| corners.normals[corner as usize]);
@@ -358,7 +340,7 @@ mod tests {
         }
 
         let pyramid = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.1]];
-        let corners = Corners::from_body(&body(pyramid, vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]));
+        let corners = Corners::from_body(&body(pyramid, vec![[0, 1, 4, 4], [1, 2, 4, 4], [2, 3, 4, 4], [3, 0, 4, 4]]));
         let tip: Vec<_> = corners.points.iter().zip(&corners.normals).filter(|(point, _)| point[2] > 0.0).collect();
         assert_eq!(tip.iter().map(|(_, normal)| **normal).collect::<Vec<_>>(), [[0.0, 0.0, 1.0]]);
     }

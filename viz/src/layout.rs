@@ -136,7 +136,7 @@ fn chart(chart: &Chart, properties: &mut Properties) -> ContainerLike {
 }
 
 fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
-    let view = Spatial2DView::new(diagram.title.as_str()).with_origin(diagram.path.as_str()).into();
+    let view = Spatial2DView::new(diagram.plot.title.as_str()).with_origin(diagram.path.as_str()).into();
     let [x_range, y_range] = diagram::BOUNDS;
     let bounds = Range2D { x_range: x_range.into(), y_range: y_range.into() };
     properties.set(&view, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));
@@ -177,9 +177,7 @@ impl Properties {
             self.0.push((format!("{}/{name}", view.blueprint_path()), property.as_serialized_batches()));
         }
     }
-}
 
-impl Properties {
     /// Shows the entity at a path in `view` by a visualizer of its own.
     fn visualize(&mut self, view: &ContainerLike, entity: &str, visualizer: &Visualizer) {
         let ContainerLike::View(view) = view else { return };

@@ -44,8 +44,8 @@ pub struct FilmTrack {
     pub name: String,
     /// Number of nodes.
     pub nodes: usize,
-    /// Corners of each triangle, counter-clockwise seen from +z.
-    pub triangles: Vec<[u32; 3]>,
+    /// Corners of each element, counter-clockwise seen from +z; a triangle has its last corner twice.
+    pub patches: Vec<[u32; 4]>,
     /// Edges by which a frame or jaws hold it, as pairs of nodes.
     pub held: Vec<[u32; 2]>,
     /// Springs between the frame and its edges.
@@ -74,7 +74,7 @@ pub struct FilmSnapshot {
     pub positions: Vec<[f32; 3]>,
     /// Values of each of the scene's quantities, in its unit, one entry a node.
     pub values: Vec<Vec<f32>>,
-    /// Whether a triangle is intact, one entry a triangle.
+    /// Whether an element is intact, one entry a patch.
     pub visible: Vec<bool>,
     /// Nodes in contact with a body.
     pub in_contact: Vec<u32>,
@@ -87,8 +87,8 @@ pub struct BodyTrack {
     pub name: String,
     /// Points of its surface in its own axes, m.
     pub points: Vec<[f32; 3]>,
-    /// Corners of each triangle, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
+    /// Corners of each patch, counter-clockwise seen from outside; a triangle has its last corner twice.
+    pub patches: Vec<[u32; 4]>,
     /// Its poses in ascending time.
     pub poses: Vec<Pose>,
 }
@@ -168,27 +168,26 @@ impl FilmTrack {
     /// Refuses a snapshot that is not of this film with so many quantities.
     pub(crate) fn check(&self, snapshot: &FilmSnapshot, quantities: usize) -> Result<(), VizError> {
         let edges = self.held.iter().chain(self.springs.iter().map(|spring| &spring.nodes)).flatten();
-        let named = self.triangles.iter().flatten().chain(edges).chain(&snapshot.in_contact).max();
+        let named = self.patches.iter().flatten().chain(edges).chain(&snapshot.in_contact).max();
         let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);
-        let film = || self.name.clone();
-        let time = snapshot.time;
-        let lists = std::iter::once(snapshot.positions.len()).chain(snapshot.values.iter().map(Vec::len));
-        if let Some(found) = lists.into_iter().find(|found| *found != nodes) {
-            return Err(VizError::Nodes { film: film(), time, found, expected: nodes });
+        let mismatch =
+            |what: String| Err(VizError::Mismatch(format!("film `{}` at {} s: {what}", self.name, snapshot.time)));
+        let mut lists = std::iter::once(snapshot.positions.len()).chain(snapshot.values.iter().map(Vec::len));
+        if let Some(found) = lists.find(|found| *found != nodes) {
+            return mismatch(format!("{found} positions or values for {nodes} nodes"));
         }
-        if snapshot.values.len() != quantities {
-            return Err(VizError::Quantities {
-                film: film(),
-                time,
-                found: snapshot.values.len(),
-                expected: quantities,
-            });
+        let found = snapshot.values.len();
+        if found != quantities {
+            return mismatch(format!("values of {found} quantities where there are {quantities}"));
         }
-        let (found, expected) = (snapshot.visible.len(), self.triangles.len());
-        if found != expected {
-            return Err(VizError::Triangles { film: film(), time, found, expected });
-        }
-        Ok(())
+        let (found, expected) = (snapshot.visible.len(), self.patches.len());
+        if found == expected { Ok(()) } else { mismatch(format!("{found} visibilities for {expected} elements")) }
+    }
+
+    /// The triangles of the elements that are intact in a snapshot.
+    pub(crate) fn visible(&self, snapshot: &FilmSnapshot) -> impl Iterator<Item = [u32; 3]> {
+        let left = self.patches.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
+        triangles(left.map(|(patch, _)| *patch))
     }
 }
 
@@ -222,7 +221,7 @@ impl SignalTrack {
         if found == expected {
             return Ok(());
         }
-        Err(VizError::Samples { signal: self.path.clone(), found, expected })
+        Err(VizError::Mismatch(format!("signal `{}`: {found} values at {expected} times", self.path)))
     }
 }
 
@@ -241,11 +240,9 @@ impl Default for Extent {
 }
 
 impl Extent {
-    /// Extended by the corners of the visible triangles of `film` in a snapshot, and by the frame on whose springs it hangs.
+    /// Extended by the corners of the visible elements of `film` in a snapshot, and by the frame on whose springs it hangs.
     pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
-        let visible = film.triangles.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
-        let corners =
-            visible.flat_map(|(corners, _)| corners).filter_map(|node| snapshot.positions.get(*node as usize));
+        let corners = film.visible(snapshot).flatten().filter_map(|node| snapshot.positions.get(node as usize));
         let images = |extent: Extent, point: &[f32; 3]| {
             film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
         };
@@ -266,6 +263,11 @@ impl Extent {
     pub(crate) fn or_a_metre(self) -> Extent {
         if self.low[0] <= self.high[0] { self } else { Extent { low: [-0.5; 3], high: [0.5; 3] } }
     }
+}
+
+/// The triangles of patches, two of each that is not one itself.
+pub(crate) fn triangles(patches: impl Iterator<Item = [u32; 4]>) -> impl Iterator<Item = [u32; 3]> {
+    patches.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]].into_iter().take(if c == d { 1 } else { 2 }))
 }
 
 pub(crate) fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {

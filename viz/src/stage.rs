@@ -67,7 +67,7 @@ impl Stage {
     /// The state is not one of that film.
     pub fn film(&mut self, index: usize, snapshot: &FilmSnapshot) -> Result<(), VizError> {
         let (Some(track), Some(film)) = (self.scene.films.get(index), self.films.get_mut(index)) else {
-            return Err(VizError::NoFilm { index });
+            return Err(VizError::Mismatch(format!("there is no film {index}")));
         };
         track.check(snapshot, self.scene.quantities.len())?;
         Ok(film.log(&self.stream, track, snapshot, &self.scene.quantities)?)

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::RunPage;
 use crate::film::is_finite;
-use crate::recording::{self, RecordingError, documents, signals, text};
+use crate::recording::{self, documents, signals, text};
 use lab::signal::{Channel, Recording};
 use scene::model::Model;
 use scene::simulate::SnapshotEvent;
@@ -56,7 +56,7 @@ pub enum LiveError {
     },
     /// The data cannot be sent.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Recording(#[from] VizError),
 }
 
 /// A run that a viewer shows.
@@ -152,7 +152,7 @@ impl<'a> Live<'a> {
         drop((snapshots, end));
         match done.recv_timeout(JOIN_TIMEOUT) {
             Ok(Err(VizError::Flush(_))) => Err(LiveError::NotResponding { address }),
-            Ok(Err(error)) => Err(RecordingError::from(error).into()),
+            Ok(Err(error)) => Err(error.into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
             Ok(Ok(())) => Err(LiveError::Slow { address, lost: self.lost }),
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
@@ -166,8 +166,6 @@ impl<'a> Live<'a> {
         let Live { model, comparison, scenario, .. } = *self;
         let signals = signals::charted(event.signals, event.energies, comparison, model.run_time());
         let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&model.subject()));
-        let texts =
-            [text::Text { title: recording::SUMMARY.to_owned(), markdown: begun }, recording::scenario(scenario)];
         let quantities: Vec<Quantity> = recording::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
         self.sent = samples(event);
         self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
@@ -177,7 +175,7 @@ impl<'a> Live<'a> {
             duration: model.run_time(),
             is_live: true,
             extent: recording::film_extent(event.films, &[event.snapshot]),
-            documents: texts.iter().map(text::Text::document).collect(),
+            documents: vec![text::document(recording::SUMMARY, begun), recording::scenario(scenario)],
             quantities,
             films: recording::film_tracks(event.films),
             bodies: recording::body_tracks(model, event.impactors, &[event.snapshot]),
@@ -222,7 +220,7 @@ impl<'a> Live<'a> {
             signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
             charts: all.charts,
             more_charts: all.more_charts,
-            diagrams: recording::diagrams("plots", &results.script_output.plots).collect(),
+            diagrams: recording::diagrams(&results.script_output),
             events: text::listed(run),
             ..Scene::default()
         }

@@ -7,19 +7,17 @@ mod text;
 use std::path::Path;
 use std::time::Duration;
 
-use thiserror::Error;
-
 use crate::film::is_finite;
-use crate::recording::text::Text;
 use crate::run_scene::{Field, SceneBody};
 use crate::{RunPage, figure};
 use base::number::significant;
 use membrane::engine::Surface;
-use plot::viridis::{VIRIDIS, viridis};
-use plot::{Axis, Curve, Look, Plot, Scale};
+use plot::Plot;
+use plot::viridis::viridis;
 use scene::model::Model;
 use scene::simulate::{Film, FilmSpring, Image, Snapshot};
 use study::field_comparison::FieldComparison;
+use study::script::ScriptOutput;
 use viz::{
     self, BodyTrack, Diagram, Document, Extent, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Quantity, Scene,
     SpringTrack, Stage, VizError,
@@ -28,14 +26,6 @@ use viz::{
 pub use crate::recording::live::{Live, LiveError};
 pub use viz::Address;
 
-/// Why a recording was not written.
-#[derive(Debug, Error)]
-pub enum RecordingError {
-    /// The scene is inconsistent, or the file or the viewer cannot be written to.
-    #[error("recording: {0}")]
-    Viz(#[from] VizError),
-}
-
 /// Longest time that a file may take to be written.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(600);
 
@@ -43,7 +33,7 @@ const WRITE_TIMEOUT: Duration = Duration::from_secs(600);
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
+pub fn write(path: &Path, run: &RunPage) -> Result<(), VizError> {
     let outcome = run.outcome;
     let snapshots = drawn(&outcome.snapshots);
     let mut stage = Stage::file(path, scene(run, &snapshots))?;
@@ -53,7 +43,7 @@ pub fn write(path: &Path, run: &RunPage) -> Result<(), RecordingError> {
             stage.film(face, &film_state(film, snapshot, face))?;
         }
     }
-    Ok(stage.finish(WRITE_TIMEOUT)?)
+    stage.finish(WRITE_TIMEOUT)
 }
 
 /// The scene without the snapshots of the films, which are logged one by one.
@@ -73,7 +63,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         signals: signals.tracks,
         charts: signals.charts,
         more_charts: signals.more_charts,
-        diagrams: diagrams("plots", &results.script_output.plots).collect(),
+        diagrams: diagrams(&results.script_output),
         events: text::listed(run),
     }
 }
@@ -92,8 +82,8 @@ fn ends<'a>(snapshots: &[&'a Snapshot], failed: bool) -> Vec<&'a Snapshot> {
 /// Title of the text that a run opens with.
 const SUMMARY: &str = "Summary";
 
-fn scenario(text: &str) -> Text {
-    Text::verbatim("Scenario", text)
+fn scenario(content: &str) -> Document {
+    text::document("Scenario", text::verbatim(content))
 }
 
 /// Summary, tables and files of the post script, and the scenario.
@@ -114,12 +104,9 @@ fn documents(run: &RunPage) -> Vec<Document> {
         text::escaped(&model.title),
         text::escaped(&model.subject())
     );
-    let summary = Text { title: SUMMARY.to_owned(), markdown: summary };
-    let texts = std::iter::once(summary)
-        .chain(Text::tables(&results.script_output))
-        .chain(Text::files(&results.script_output))
-        .chain([scenario(run.scenario)]);
-    texts.map(|text| text.document()).collect()
+    let output = &results.script_output;
+    let written = text::tables(output).into_iter().chain(text::files(output));
+    [text::document(SUMMARY, summary)].into_iter().chain(written).chain([scenario(run.scenario)]).collect()
 }
 
 /// The quantities, with a range from zero to the largest of an intact element in any of `snapshots`.
@@ -130,7 +117,6 @@ pub(crate) fn quantities(snapshots: &[&Snapshot]) -> Vec<Quantity> {
         title: (*title).to_owned(),
         words: format!("{symbol}, {unit}"),
         range,
-        colours: &VIRIDIS,
     };
     let states = || snapshots.iter().flat_map(|snapshot| &snapshot.films);
     Field::all_in(films).map(|field| quantity(field, field.range(states()))).collect()
@@ -153,7 +139,7 @@ fn track(film: &Film, face: usize) -> FilmTrack {
     FilmTrack {
         name: format!("face-{}", face + 1),
         nodes: film.nodes,
-        triangles: triangles(film),
+        patches: film.outlines().collect(),
         held: film.held.clone(),
         springs: film.springs.iter().map(spring).collect(),
         images: film.images().skip(1).map(Image::signs).collect(),
@@ -173,24 +159,9 @@ pub(crate) fn film_state(film: &Film, snapshot: &Snapshot, face: usize) -> FilmS
         values: Field::all_in(&snapshot.films)
             .map(|field| field.at_nodes(film.nodes, film.outlines(), state))
             .collect(),
-        visible: per_triangle(film, |element| !state.failed[element]),
+        visible: state.failed.iter().map(|failed| !failed).collect(),
         in_contact: state.in_contact.clone(),
     }
-}
-
-/// Quadrilaterals as two triangles each, then the triangles.
-fn triangles(film: &Film) -> Vec<[u32; 3]> {
-    let halves = |&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]];
-    let quads = film.quads.iter().flat_map(halves);
-    quads.chain(film.tris.iter().copied()).collect()
-}
-
-/// A value of each element, repeated for each of its triangles.
-fn per_triangle(film: &Film, value: impl Fn(usize) -> bool) -> Vec<bool> {
-    let quads = film.quads.len();
-    let of_quads = (0..quads).flat_map(|quad| [value(quad); 2]);
-    let of_tris = (0..film.tris.len()).map(|tri| value(quads + tri));
-    of_quads.chain(of_tris).collect()
 }
 
 /// Sides of a round impactor.
@@ -200,10 +171,9 @@ const SIDES: u32 = 64;
 pub(crate) fn body_tracks(model: &Model, impactors: &[Surface], snapshots: &[&Snapshot]) -> Vec<BodyTrack> {
     let track = |(index, (surface, name)): (usize, (&Surface, Option<&str>))| {
         let SceneBody { points, patches } = SceneBody::from_surface(surface, SIDES);
-        let triangles = patches.iter().map(|&[a, b, c, _]| [a, b, c]).collect();
         let poses = snapshots.iter().filter_map(|snapshot| poses(snapshot).nth(index)).collect();
         let name = name.map_or_else(|| "impactor".to_owned(), |name| format!("impactors/{name}"));
-        BodyTrack { name, points, triangles, poses }
+        BodyTrack { name, points, patches, poses }
     };
     let bars = model.frame.bars.map(|_| Some("frame"));
     let mut tracks: Vec<BodyTrack> =
@@ -270,41 +240,14 @@ fn apart(field: &FieldComparison) -> f64 {
     (side(0) * side(1) / field.places.len().max(1) as f64).sqrt()
 }
 
-/// A diagram for each plot, at an entity below `folder`.
-pub(crate) fn diagrams<'a>(
-    folder: &'a str,
-    plots: impl IntoIterator<Item = &'a Plot> + 'a,
-) -> impl Iterator<Item = Diagram> + 'a {
-    plots.into_iter().enumerate().map(move |(index, plot)| diagram(format!("{folder}/{index}"), plot))
-}
-
-/// A plot at the entity `path`.
-fn diagram(path: String, plot: &Plot) -> Diagram {
-    Diagram {
-        path,
-        title: plot.title.clone(),
-        axes: [axis(&plot.x), axis(&plot.y)],
-        curves: plot.curves.iter().map(curve).collect(),
-        window: plot.window.as_ref().map(|window| viz::Window { label: window.label.clone(), ends: window.range }),
-    }
-}
-
-fn curve(curve: &Curve) -> viz::Curve {
-    let look = match curve.look {
-        Look::Line => viz::Look::Line,
-        Look::Dashed => viz::Look::Dashed,
-        Look::Points => viz::Look::Points,
-    };
-    viz::Curve { name: curve.name.clone(), points: curve.points.clone(), look }
-}
-
-fn axis(axis: &Axis) -> viz::Axis {
-    viz::Axis { label: axis.label.clone(), logarithmic: axis.scale == Scale::Logarithmic }
+/// A diagram for each plot of the post script.
+pub(crate) fn diagrams(output: &ScriptOutput) -> Vec<Diagram> {
+    let diagram = |(index, plot): (usize, &Plot)| Diagram { path: format!("plots/{index}"), plot: plot.clone() };
+    output.plots.iter().enumerate().map(diagram).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use scene::mesh::{Mesh, Quality};
     use scene::simulate::FilmState;
 
     use super::*;
@@ -322,21 +265,6 @@ mod tests {
         };
         assert_eq!(at(drawn.clone()), [0.0, 1.0, 1e9]);
         assert_eq!((at(ends(&drawn, false)), at(ends(&drawn, true))), (vec![0.0, 1e9], vec![0.0]));
-    }
-
-    #[test]
-    fn a_quadrilateral_is_two_triangles() {
-        let film = Film {
-            nodes: 6,
-            quads: vec![[0, 1, 2, 3]],
-            tris: vec![[1, 4, 2], [4, 5, 2]],
-            held: vec![],
-            springs: vec![],
-            mirrored: [false; 2],
-            quality: Quality::from_mesh(&Mesh::default()),
-        };
-        assert_eq!(triangles(&film).len(), 4);
-        assert_eq!(per_triangle(&film, |element| element != 2), [true, true, true, false]);
     }
 
     #[test]

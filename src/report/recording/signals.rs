@@ -7,31 +7,24 @@ use lab::signal::Recording;
 use lab::signal::column::{self, Column};
 use study::post::ReferenceComparison;
 
-/// The reference of a run up to an end time.
-#[derive(Clone, Copy)]
-struct MeasuredChannel<'a> {
-    comparison: &'a ReferenceComparison,
-    /// s.
-    end: f64,
-}
+/// The reference of a run, and the time up to which it is shown, s.
+type Measured<'a> = (&'a ReferenceComparison, f64);
 
-impl MeasuredChannel<'_> {
-    /// The measured signals of a chart: a single one in grey, several in the colours of the simulated ones.
-    fn tracks(self, pane: &Pane, own: &[SignalTrack]) -> impl Iterator<Item = SignalTrack> {
-        let MeasuredChannel { comparison, end } = self;
-        pane.measured.iter().filter_map(move |measured| {
-            let series = (measured.series)(comparison)?.window([0.0, end]);
-            let label = format!("{}{}", measured.label, comparison.label());
-            let entity = entity(&measured.column);
-            let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{entity}")));
-            let stroke = match its_own.filter(|_| pane.measured.len() > 1) {
-                Some(track) => track.stroke.target_of(),
-                None => Stroke::target(),
-            };
-            let values = [series.time(), series.values()];
-            Some(track(format!("measured/{entity}"), label, values, measured.column.factor, stroke))
-        })
-    }
+/// The measured signals of a chart: a single one in grey, several in the colours of the simulated ones.
+fn measured_tracks((comparison, end): Measured<'_>, pane: &Pane, own: &[SignalTrack]) -> Vec<SignalTrack> {
+    let of = |measured: &panes::Measured| {
+        let series = (measured.series)(comparison)?.window([0.0, end]);
+        let label = format!("{}{}", measured.label, comparison.label());
+        let entity = entity(&measured.column);
+        let its_own = own.iter().find(|track| track.path.ends_with(&format!("/{entity}")));
+        let stroke = match its_own.filter(|_| pane.measured.len() > 1) {
+            Some(track) => track.stroke.target_of(),
+            None => Stroke::target(),
+        };
+        let values = [series.time(), series.values()];
+        Some(track(format!("measured/{entity}"), label, values, measured.column.factor, stroke))
+    };
+    pane.measured.iter().filter_map(of).collect()
 }
 
 /// Charts and their signals.
@@ -49,7 +42,7 @@ pub(super) fn charted(
     comparison: Option<&ReferenceComparison>,
     end: f64,
 ) -> Signals {
-    let measured = comparison.map(|comparison| MeasuredChannel { comparison, end });
+    let measured = comparison.map(|comparison| (comparison, end));
     let mut out = Signals::default();
     for pane in panes::panes() {
         let charts = match pane.shown {
@@ -67,7 +60,7 @@ pub(super) fn charted(
 fn chart_of(
     pane: &Pane,
     signals: &Recording,
-    measured: Option<MeasuredChannel<'_>>,
+    measured: Option<Measured<'_>>,
     all: &mut Vec<SignalTrack>,
 ) -> Option<Chart> {
     let title = format!("{}, {}", pane.title(signals)?, pane.columns[0].0.axis_unit);
@@ -79,8 +72,8 @@ fn chart_of(
         track(path, label, [&signals.time, values], column.factor, stroke)
     });
     let own: Vec<SignalTrack> = own.collect();
-    let measured = measured.filter(|_| !own.is_empty()).into_iter().flat_map(|measured| measured.tracks(pane, &own));
-    let mut tracks: Vec<SignalTrack> = measured.collect();
+    let measured = measured.filter(|_| !own.is_empty());
+    let mut tracks = measured.map(|measured| measured_tracks(measured, pane, &own)).unwrap_or_default();
     tracks.extend(own);
     chart(&title, tracks, all)
 }

@@ -16,52 +16,40 @@ const MOST_LINES: usize = 10;
 const MOST_LETTERS: usize = 160;
 
 /// A text of its own.
-#[derive(Clone, Debug)]
-pub(crate) struct Text {
-    pub(crate) title: String,
-    pub(crate) markdown: String,
+pub(crate) fn document(title: &str, markdown: String) -> Document {
+    let letters = title.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
+    Document { path: format!("texts/{}", letters.collect::<String>()), title: title.to_owned(), text: markdown }
 }
 
-impl Text {
-    /// A file verbatim, such as a scenario or a script.
-    pub(crate) fn verbatim(title: &str, content: &str) -> Text {
-        // A fence is longer than any run of backticks within.
-        let longest = content.split(|c| c != '`').map(str::len).max().unwrap_or(0);
-        let fence = "`".repeat(longest.max(2) + 1);
-        Text { title: title.to_owned(), markdown: format!("{fence}\n{}\n{fence}\n", content.trim_end()) }
-    }
+/// A file as it is, such as a scenario or a script.
+pub(crate) fn verbatim(content: &str) -> String {
+    // A fence is longer than any run of backticks within.
+    let longest = content.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat(longest.max(2) + 1);
+    format!("{fence}\n{}\n{fence}\n", content.trim_end())
+}
 
-    /// The tables of a script; `None` without any.
-    pub(crate) fn tables(output: &ScriptOutput) -> Option<Text> {
-        let tables: Vec<String> = output.tables.iter().map(|(name, rows)| table(name, rows)).collect();
-        (!tables.is_empty()).then(|| Text { title: "Tables".to_owned(), markdown: tables.join("\n") })
-    }
+/// The tables of a script; `None` without any.
+pub(crate) fn tables(output: &ScriptOutput) -> Option<Document> {
+    let tables: Vec<String> = output.tables.iter().map(|(name, rows)| table(name, rows)).collect();
+    (!tables.is_empty()).then(|| document("Tables", tables.join("\n")))
+}
 
-    /// The beginnings of the files of a script; `None` without any.
-    pub(crate) fn files(output: &ScriptOutput) -> Option<Text> {
-        let files: Vec<String> = output.files.iter().take(MOST_FILES).map(file).collect();
-        let more = match output.files.iter().count().saturating_sub(MOST_FILES) {
-            0 => String::new(),
-            more => format!("\nand {more} more in the folder\n"),
-        };
-        (!files.is_empty()).then(|| Text { title: "Files".to_owned(), markdown: files.join("\n") + more.as_str() })
-    }
-
-    pub(crate) fn document(&self) -> Document {
-        let letters = self.title.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
-        Document {
-            path: format!("texts/{}", letters.collect::<String>()),
-            title: self.title.clone(),
-            text: self.markdown.clone(),
-        }
-    }
+/// The beginnings of the files of a script; `None` without any.
+pub(crate) fn files(output: &ScriptOutput) -> Option<Document> {
+    let files: Vec<String> = output.files.iter().take(MOST_FILES).map(file).collect();
+    let more = match output.files.iter().count().saturating_sub(MOST_FILES) {
+        0 => String::new(),
+        more => format!("\nand {more} more in the folder\n"),
+    };
+    (!files.is_empty()).then(|| document("Files", files.join("\n") + more.as_str()))
 }
 
 /// Name, length and first lines of a file.
 fn file(File { name, content }: &File) -> String {
     let lines: Vec<String> =
         content.lines().take(MOST_LINES).map(|line| line.chars().take(MOST_LETTERS).collect()).collect();
-    let shown = Text::verbatim(name, &lines.join("\n")).markdown;
+    let shown = verbatim(&lines.join("\n"));
     format!("## {}\n\n{} lines, {} bytes\n\n{shown}", escaped(name), content.lines().count(), content.len())
 }
 
@@ -142,8 +130,7 @@ mod tests {
 
     #[test]
     fn a_fence_is_longer_than_those_within() {
-        let text = Text::verbatim("Script", "let a = `b`;\n// ````\n");
-        assert_eq!(text.markdown, "`````\nlet a = `b`;\n// ````\n`````\n");
+        assert_eq!(verbatim("let a = `b`;\n// ````\n"), "`````\nlet a = `b`;\n// ````\n`````\n");
     }
 
     #[test]
@@ -152,7 +139,7 @@ mod tests {
         let text = file(&File { name: "tests_a.csv".into(), content });
         assert!(text.starts_with("## tests\\_a.csv\n\n50 lines, 240 bytes\n\n```\n0,1\n1,1\n"), "{text}");
         assert!(text.ends_with("\n9,1\n```\n"), "{text}");
-        assert!(Text::files(&ScriptOutput::default()).is_none());
+        assert!(files(&ScriptOutput::default()).is_none());
     }
 
     #[test]

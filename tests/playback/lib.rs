@@ -14,9 +14,13 @@ use re_sdk_types::external::re_types_core::Loggable;
 use re_sdk_types::{ComponentDescriptor, ComponentIdentifier};
 use thiserror::Error;
 
-use crate::film::COLOURS;
+/// The timeline of recordings.
+const TIME: &str = "time";
 
-/// Rows of one component in the order of their times, ns on [`crate::TIME`]. Static rows come first, at `i64::MIN`.
+/// Name of the colours among the components of a film.
+const COLOURS: &str = "Colours";
+
+/// Rows of one component in the order of their times, ns on the timeline `time`. Static rows come first, at `i64::MIN`.
 pub type Rows<T> = Vec<(i64, Vec<T>)>;
 
 /// A recording and its blueprint.
@@ -66,26 +70,26 @@ impl Playback {
         self.blueprint.keys().map(String::as_str)
     }
 
-    /// Nodes of a film, m, on [`crate::TIME`].
+    /// Nodes of a film, m, on the timeline `time`.
     pub fn nodes(&self, entity: &str) -> Rows<[f32; 3]> {
         self.points(entity, &Mesh3D::descriptor_vertex_positions())
     }
 
-    /// Points, m, on [`crate::TIME`].
+    /// Points, m, on the timeline `time`.
     pub fn marks(&self, entity: &str) -> Rows<[f32; 3]> {
         self.points(entity, &Points3D::descriptor_positions())
     }
 
-    /// Triangles of a film, on [`crate::TIME`].
+    /// Triangles of a film, on the timeline `time`.
     pub fn triangles(&self, entity: &str) -> Rows<[u32; 3]> {
-        let rows = self.rows::<TriangleIndices>(crate::TIME, entity, Mesh3D::descriptor_triangle_indices().component);
+        let rows = self.rows::<TriangleIndices>(TIME, entity, Mesh3D::descriptor_triangle_indices().component);
         rows.into_iter().map(|(at, triangles)| (at, triangles.into_iter().map(|t| t.0.0).collect())).collect()
     }
 
-    /// Colours of the nodes of a film by one of its quantities, sRGB, on [`crate::TIME`].
+    /// Colours of the nodes of a film by one of its quantities, sRGB, on the timeline `time`.
     pub fn colours(&self, entity: &str, quantity: &str) -> Rows<[u8; 3]> {
         let component = ComponentIdentifier::try_new(format!("{COLOURS}:{quantity}"));
-        let rows = component.map_or_else(|_| Rows::new(), |name| self.rows::<Color>(crate::TIME, entity, name));
+        let rows = component.map_or_else(|_| Rows::new(), |name| self.rows::<Color>(TIME, entity, name));
         let plain = |colour: Color| {
             let [r, g, b, _] = colour.0.to_array();
             [r, g, b]
@@ -93,15 +97,15 @@ impl Playback {
         rows.into_iter().map(|(at, colours)| (at, colours.into_iter().map(plain).collect())).collect()
     }
 
-    /// Position of a body, m, on [`crate::TIME`].
+    /// Position of a body, m, on the timeline `time`.
     pub fn places(&self, entity: &str) -> Rows<[f32; 3]> {
-        let rows = self.rows::<Translation3D>(crate::TIME, entity, Transform3D::descriptor_translation().component);
+        let rows = self.rows::<Translation3D>(TIME, entity, Transform3D::descriptor_translation().component);
         rows.into_iter().map(|(at, places)| (at, places.into_iter().map(|place| place.0.0).collect())).collect()
     }
 
-    /// Orientation of a body, unit quaternions i, j, k, w, on [`crate::TIME`].
+    /// Orientation of a body, unit quaternions i, j, k, w, on the timeline `time`.
     pub fn rotations(&self, entity: &str) -> Rows<[f32; 4]> {
-        let rows = self.rows::<RotationQuat>(crate::TIME, entity, Transform3D::descriptor_quaternion().component);
+        let rows = self.rows::<RotationQuat>(TIME, entity, Transform3D::descriptor_quaternion().component);
         rows.into_iter().map(|(at, turns)| (at, turns.into_iter().map(|turn| turn.0.0).collect())).collect()
     }
 
@@ -122,7 +126,7 @@ impl Playback {
     }
 
     fn points(&self, entity: &str, component: &ComponentDescriptor) -> Rows<[f32; 3]> {
-        let rows = self.rows::<Position3D>(crate::TIME, entity, component.component);
+        let rows = self.rows::<Position3D>(TIME, entity, component.component);
         rows.into_iter().map(|(at, points)| (at, points.into_iter().map(|point| point.0.0).collect())).collect()
     }
 }
