@@ -74,11 +74,6 @@ impl CoarseSurface {
     pub(crate) fn positions(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.nodes.iter().map(|node| points[*node as usize]).collect()
     }
-
-    /// The corners of all patches, four each.
-    pub(crate) fn corners(&self) -> impl Iterator<Item = u32> {
-        self.patches.iter().flatten().copied()
-    }
 }
 
 /// Points at equal distances along each axis of a box, its corners included.
@@ -137,7 +132,7 @@ mod tests {
         assert!(surface.patches.len() <= 3000 && surface.patches.len() > 1500, "{}", surface.patches.len());
         let [low, high] = bounds(surface.positions(&points).into_iter());
         assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
-        assert!(surface.corners().all(|corner| (corner as usize) < surface.nodes.len()));
+        assert!(surface.patches.iter().flatten().all(|corner| (*corner as usize) < surface.nodes.len()));
     }
 
     #[test]

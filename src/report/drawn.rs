@@ -1,11 +1,11 @@
 //! Plots of a page: the data that its script draws, a description for screen readers, and values with their intervals.
 
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::html::{data, escape, kept_together};
-use base::number::{plain, rounded, significant};
+use base::number::{ends, plain, rounded, significant};
 use base::written;
-use plot::{Axis, Curve, Look, Mark, Plot, Scale};
+use plot::{Axis, Curve, Look, Mark, Plot, Scale, Window};
 use scene::simulate::RateHistogram;
 
 /// Most points of one curve; a longer one is reduced to the extremes of its intervals.
@@ -68,7 +68,7 @@ pub(crate) fn rates(title: &str, histogram: &RateHistogram) -> String {
     let label = "range in which the curves were measured".into();
     let plot = Plot {
         x: Axis { label: "strain rate (1/s)".into(), scale: Scale::Logarithmic },
-        window: histogram.measured.map(|range| plot::Window { label, range }),
+        window: histogram.measured.map(|range| Window { label, range }),
         ..Plot::new(title, ["", "share (%)"], vec![Curve::line("share of the strain increments", points)])
     };
     filled(&plot)
@@ -87,7 +87,7 @@ fn block(plot: &Plot, filled: bool) -> String {
     }
     let title = escape(&plot.title);
     let words = escape(&description(plot));
-    let data = data(&contents(plot, filled));
+    let data = data(&PlotData::of_plot(plot, filled));
     format!(
         "<figure class=\"{PLOT}\">\n<h3>{title}</h3>\n{data}<figcaption class=\"unseen\">{words}</figcaption>\n\
          </figure>\n"
@@ -96,15 +96,11 @@ fn block(plot: &Plot, filled: bool) -> String {
 
 /// The description for screen readers.
 fn description(plot: &Plot) -> String {
-    let ends = |curve: &Curve, axis: usize| {
-        let places = curve.points.iter().filter(|point| plot.has_place(point)).map(|point| point[axis]);
-        places.fold(None, |ends: Option<[f64; 2]>, value| {
-            let [low, high] = ends.unwrap_or([value; 2]);
-            Some([low.min(value), high.max(value)])
-        })
-    };
     let range = |ends: [f64; 2]| ends.map(|end| plain(rounded(end, 4))).join(" to ");
-    let curve = |curve: &Curve| Some(format!("{}: {}", curve.name, range(ends(curve, 1)?)));
+    let curve = |curve: &Curve| {
+        let places = curve.points.iter().filter(|point| plot.has_place(point));
+        Some(format!("{}: {}", curve.name, range(ends(places.map(|point| point[1]))?)))
+    };
     let curves: Vec<String> = plot.curves.iter().filter_map(curve).collect();
     let window = plot.window.as_ref().map(|window| format!("; marked: {}, {}", window.label, range(window.range)));
     let marks: Vec<String> =
@@ -113,39 +109,80 @@ fn description(plot: &Plot) -> String {
     format!("{} over {}; {}{}{marks}", plot.y.label, plot.x.label, curves.join("; "), window.unwrap_or_default())
 }
 
-/// The data that the script reads. A curve with the abscissae of an earlier one refers to that curve.
-fn contents(plot: &Plot, filled: bool) -> Value {
-    let mut abscissae: Vec<Vec<Value>> = Vec::new();
-    let mut curve = |curve: &Curve| {
-        let points = curve.thinned(MOST_POINTS).points;
-        let column = |axis: usize| -> Vec<Value> {
-            let number = |point: &[f64; 2]| {
-                if plot.has_place(point) { rounded(point[axis], DIGITS).into() } else { Value::Null }
+/// The data that the script reads.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct PlotData {
+    x: Axis,
+    y: Axis,
+    window: Option<Window>,
+    #[serde(default)]
+    marks: Vec<Mark>,
+    #[serde(default)]
+    filled: bool,
+    curves: Vec<CurveData>,
+}
+
+/// A curve; gaps have no value.
+#[derive(Serialize, Deserialize)]
+struct CurveData {
+    name: String,
+    look: Look,
+    x: Abscissae,
+    y: Vec<Option<f64>>,
+}
+
+/// Abscissae of the curve, or the index of an earlier one that has the same.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Abscissae {
+    Own(Vec<Option<f64>>),
+    Of(usize),
+}
+
+impl PlotData {
+    fn of_plot(plot: &Plot, filled: bool) -> PlotData {
+        let number = |value: f64| Some(rounded(value, DIGITS)).filter(|value| value.is_finite());
+        let mut abscissae: Vec<Vec<Option<f64>>> = Vec::new();
+        let mut curve = |curve: &Curve| {
+            let points = curve.thinned(MOST_POINTS).points;
+            // A gap keeps its abscissa, so that curves with other gaps can share the abscissae.
+            let x: Vec<Option<f64>> = points.iter().map(|point| number(point[0])).collect();
+            let same = abscissae.iter().position(|known| *known == x);
+            abscissae.push(x.clone());
+            let y = points.iter().map(|point| plot.has_place(point).then(|| number(point[1])).flatten()).collect();
+            CurveData {
+                name: curve.name.clone(),
+                look: curve.look,
+                x: same.map_or(Abscissae::Own(x), Abscissae::Of),
+                y,
+            }
+        };
+        PlotData {
+            curves: plot.curves.iter().map(&mut curve).collect(),
+            x: plot.x.clone(),
+            y: plot.y.clone(),
+            window: plot.window.clone(),
+            marks: plot.marks.iter().map(|mark| Mark { at: rounded(mark.at, DIGITS), ..mark.clone() }).collect(),
+            filled,
+        }
+    }
+
+    /// The plot with this title.
+    pub(crate) fn plot(self, title: &str) -> Plot {
+        let mut abscissae: Vec<Vec<Option<f64>>> = Vec::new();
+        let curve = |CurveData { name, look, x, y }: CurveData| {
+            let x = match x {
+                Abscissae::Own(own) => own,
+                Abscissae::Of(earlier) => abscissae.get(earlier).cloned().unwrap_or_default(),
             };
-            points.iter().map(number).collect()
+            let value = |value: &Option<f64>| value.unwrap_or(f64::NAN);
+            let points = x.iter().zip(&y).map(|(x, y)| [value(x), value(y)]).collect();
+            abscissae.push(x);
+            Curve { name, points, look }
         };
-        // A gap keeps its abscissa, so that curves with other gaps can share the abscissae.
-        let x: Vec<Value> = points.iter().map(|point| rounded(point[0], DIGITS).into()).collect();
-        let same = abscissae.iter().position(|known| *known == x);
-        let written = same.map_or_else(|| json!(x), |earlier| json!(earlier));
-        abscissae.push(x);
-        let look = match curve.look {
-            Look::Line => "line",
-            Look::Dashed => "dashed",
-            Look::Points => "points",
-        };
-        json!({ "name": curve.name, "look": look, "x": written, "y": column(1) })
-    };
-    let mark = |mark: &Mark| json!({ "words": mark.label, "at": rounded(mark.at, DIGITS) });
-    let axis = |axis: &Axis| json!({ "words": axis.label, "log": axis.scale == Scale::Logarithmic });
-    json!({
-        "x": axis(&plot.x),
-        "y": axis(&plot.y),
-        "window": plot.window.as_ref().map(|window| json!({ "words": window.label, "range": window.range })),
-        "marks": plot.marks.iter().map(mark).collect::<Vec<_>>(),
-        "filled": filled,
-        "curves": plot.curves.iter().map(&mut curve).collect::<Vec<_>>(),
-    })
+        let curves = self.curves.into_iter().map(curve).collect();
+        Plot { title: title.to_owned(), x: self.x, y: self.y, curves, window: self.window, marks: self.marks }
+    }
 }
 
 /// A line.
@@ -188,11 +225,7 @@ fn axis(look: RangeLook, lines: &[Line]) -> [f64; 2] {
     };
     let zero = (look == RangeLook::Bars).then_some(0.0);
     let all = lines.iter().flat_map(of).chain(zero).filter(|value| value.is_finite());
-    let [low, high] =
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
-    if low > high {
-        return [0.0, 1.0];
-    }
+    let Some([low, high]) = ends(all) else { return [0.0, 1.0] };
     let margin = if high > low { MARGIN * (high - low) } else { 0.5 * high.abs().max(1.0) };
     let end = |value: f64, margin: f64| if look == RangeLook::Bars && value == 0.0 { 0.0 } else { value + margin };
     [end(low, -margin), end(high, margin)]
@@ -249,7 +282,7 @@ pub(crate) fn ranges(heading: &str, look: RangeLook, lines: &[Line]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use plot::Window;
+    use serde_json::{Value, json};
 
     use super::*;
 

@@ -1,11 +1,11 @@
 //! The HTML of a page: its frame, the escaping of text in it, tables and lists.
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
 use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
@@ -22,38 +22,40 @@ pub(super) use base::markup::escape;
 /// The figure of a finding that names its test.
 pub(crate) const TEST: &str = "test";
 
-const STYLES: [&str; 2] = [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css")];
+/// What a page carries: its styles, its scripts in their order, and a policy by which nothing is loaded from anywhere and no
+/// other script runs.
+struct Kit {
+    styles: String,
+    scripts: Vec<String>,
+    policy: String,
+}
 
-/// The scripts of every page, in this order: the plotting library, the page's own parts after the colours of values,
-/// the tables, the plots, the raster, the film.
-static SCRIPTS: LazyLock<[String; 6]> = LazyLock::new(|| {
-    let colours = json!(VIRIDIS);
-    [
-        include_str!("page/uplot/uPlot.iife.min.js").to_owned(),
-        format!("const VIRIDIS = {colours};\n{}", include_str!("page/page.js")),
-        include_str!("page/tables.js").to_owned(),
-        include_str!("page/plots.js").to_owned(),
-        include_str!("page/raster.js").to_owned(),
-        include_str!("page/film.js").to_owned(),
-    ]
-});
+static STILL: LazyLock<Kit> =
+    LazyLock::new(|| Kit::with("", &[include_str!("page/raster.js"), include_str!("page/film.js")]));
 
-static POLICY: LazyLock<String> = LazyLock::new(|| policy(&SCRIPTS.each_ref().map(String::as_str)));
+/// Of a page that renews itself, which has no film.
+static LIVING: LazyLock<Kit> =
+    LazyLock::new(|| Kit::with(include_str!("page/progress.css"), &[include_str!("page/progress.js")]));
 
-/// The scripts of a page that renews itself: those of every page but for the film, and its own.
-static LIVING: LazyLock<[&str; 5]> = LazyLock::new(|| {
-    let [library, page, tables, plots, ..] = SCRIPTS.each_ref().map(String::as_str);
-    [library, page, tables, plots, include_str!("page/progress.js")]
-});
-
-static LIVING_POLICY: LazyLock<String> = LazyLock::new(|| policy(&*LIVING));
-
-/// The policy of a page: nothing is loaded from anywhere, and no script runs but these.
-fn policy(scripts: &[&str]) -> String {
-    // By hashes instead of `unsafe-inline`: a script that slipped through an escape would not run.
-    let hash = |script: &&str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
-    let scripts = scripts.iter().map(hash).collect::<Vec<_>>().join(" ");
-    format!("default-src 'none'; style-src 'unsafe-inline'; script-src {scripts}; base-uri 'none'; form-action 'none'")
+impl Kit {
+    /// What all pages carry, and these.
+    fn with(styles: &str, scripts: &[&str]) -> Kit {
+        let library = include_str!("page/uplot/uPlot.iife.min.js").to_owned();
+        let page = format!("const VIRIDIS = {};\n{}", json!(VIRIDIS), include_str!("page/page.js"));
+        let parts = [include_str!("page/tables.js"), include_str!("page/plots.js")];
+        let own = parts.iter().chain(scripts).map(|script| (*script).to_owned());
+        let scripts: Vec<String> = [library, page].into_iter().chain(own).collect();
+        // By hashes instead of `unsafe-inline`: a script that slipped through an escape would not run.
+        let hash = |script: &String| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)));
+        let hashes = scripts.iter().map(hash).collect::<Vec<_>>().join(" ");
+        Kit {
+            styles: [include_str!("page/uplot/uPlot.min.css"), include_str!("page/page.css"), styles].concat(),
+            scripts,
+            policy: format!(
+                "default-src 'none'; style-src 'unsafe-inline'; script-src {hashes}; base-uri 'none'; form-action 'none'"
+            ),
+        }
+    }
 }
 
 /// The text that [`escape`] made `html` of.
@@ -65,7 +67,7 @@ pub(crate) fn unescape(html: &str) -> String {
 
 /// A whole page: `title` is text, `body` is HTML. It loads nothing and runs only its own scripts.
 pub fn page(title: &str, body: &str) -> String {
-    whole(title, body, &POLICY, &STYLES.concat(), &SCRIPTS.each_ref().map(String::as_str))
+    whole(title, body, &STILL)
 }
 
 /// A whole page with a heading, what it answers (text; empty of a page without an answer), its parts (HTML) and its foot.
@@ -142,36 +144,38 @@ pub(crate) fn cards(cards: &str) -> String {
 
 /// A whole page that renews itself while what it shows goes on.
 pub(crate) fn living_page(title: &str, body: &str) -> String {
-    let styles = [&STYLES[..], &[include_str!("page/progress.css")]].concat().concat();
-    whole(title, body, &LIVING_POLICY, &styles, &*LIVING)
+    whole(title, body, &LIVING)
 }
 
 /// A page that leads at once to the one at `address`, which is relative and needs no escape.
 pub(crate) fn leading_page(title: &str, address: &str) -> String {
-    let (title, address) = (escape(title), escape(address));
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; base-uri 'none'; form-action 'none'\">\n\
-         <meta http-equiv=\"refresh\" content=\"0; url={address}\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>{title}</title>\n</head>\n<body>\n<main><h1>{title}</h1>\n<p><a href=\"{address}\">The study has ended: \
-         its report</a></p></main>\n</body>\n</html>\n"
-    )
+    let (heading, address) = (escape(title), escape(address));
+    let refresh = format!("<meta http-equiv=\"refresh\" content=\"0; url={address}\">\n");
+    let body =
+        format!("<main><h1>{heading}</h1>\n<p><a href=\"{address}\">The study has ended: its report</a></p></main>\n");
+    document(title, "default-src 'none'; base-uri 'none'; form-action 'none'", [&refresh, ""], &body)
 }
 
-fn whole(title: &str, body: &str, policy: &str, styles: &str, scripts: &[&str]) -> String {
-    let title = escape(title);
+fn whole(title: &str, body: &str, Kit { styles, scripts, policy }: &Kit) -> String {
     let scripts: String = scripts.iter().map(|script| format!("<script>{script}</script>\n")).collect();
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>{title}</title>\n<style>\n{styles}</style>\n</head>\n<body>\n<main>\n\
+    let body = format!(
+        "<main>\n\
          <noscript><p class=\"warnings\">Plots and film are drawn by scripts, which are disabled here; all figures are in \
          the tables.</p></noscript>\n\
-         {body}</main>\n{scripts}</body>\n</html>\n"
+         {body}</main>\n{scripts}"
+    );
+    document(title, policy, ["", &format!("<style>\n{styles}</style>\n")], &body)
+}
+
+/// A document of HTML with a policy of what it may load, and what its head has above and below its title.
+fn document(title: &str, policy: &str, [above, below]: [&str; 2], body: &str) -> String {
+    let title = escape(title);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n{above}\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{title}</title>\n{below}</head>\n<body>\n{body}</body>\n</html>\n"
     )
 }
 
@@ -249,7 +253,9 @@ pub(crate) fn worded(text: &str) -> String {
 }
 
 /// Data for the page's scripts; no text in it can end the block.
-pub(crate) fn data(value: &Value) -> String {
+pub(crate) fn data(value: &impl Serialize) -> String {
+    // By way of a value, in which numbers of both precisions are written alike.
+    let value = serde_json::to_value(value).expect("data are numbers, texts and lists");
     // In JSON, `<` occurs in strings only, where this escape means the same.
     let text = value.to_string().replace('<', "\\u003c").replace(steers, "\u{fffd}");
     format!("<script type=\"application/json\">{text}</script>\n")
@@ -279,27 +285,17 @@ pub(crate) fn table_of_numbers<H: AsRef<str>>(texts: usize, header: &[H], rows: 
     if rows.is_empty() {
         return String::new();
     }
-    let mut html = String::from("<div class=\"scroll\"><table class=\"rows\">\n");
-    if !header.is_empty() {
-        html += &row(header, "th", " scope=\"col\"", texts);
-    }
-    rows.iter().for_each(|cells| html += &row(cells, "td", "", texts));
-    html + "</table></div>\n"
-}
-
-fn row<C: AsRef<str>>(cells: &[C], tag: &str, scope: &str, texts: usize) -> String {
-    let mut html = String::from("<tr>");
-    for (at, cell) in cells.iter().enumerate() {
-        let class = if at >= texts { " class=\"number\"" } else { "" };
-        let _ = write!(html, "<{tag}{scope}{class}>{}</{tag}>", escape(cell.as_ref()));
-    }
-    html + "</tr>\n"
+    let cells = |cells: &[String]| cells.iter().map(Cell::text).collect::<Vec<Cell>>();
+    let head: Vec<Cell> = header.iter().map(Cell::text).collect();
+    let head = if head.is_empty() { String::new() } else { line(&head, HEAD, |at| at >= texts) };
+    let rows: String = rows.iter().map(|row| line(&cells(row), "td", |at| at >= texts)).collect();
+    scrolled("rows", &[head, rows].concat())
 }
 
 /// A square table of shares between -1 and 1, coloured by sign and size, such as correlations; `names` are text.
 /// Values that are not finite leave their cell empty.
 pub(crate) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> String {
-    let header: String = names.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name))).collect();
+    let header: String = names.iter().map(|name| Cell::text(name).element(HEAD, false)).collect();
     let cell = |value: &f64| match value.is_finite() {
         // The colour is a mix with the page's own, so that it suits light and dark.
         true => {
@@ -311,14 +307,16 @@ pub(crate) fn matrix(caption: &str, names: &[String], rows: &[Vec<f64>]) -> Stri
     };
     let row = |(name, row): (&String, &Vec<f64>)| {
         let cells: String = row.iter().map(cell).collect();
-        format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escape(name))
+        format!("<tr>{}{cells}</tr>\n", Cell::text(name).element(HEAD_OF_ROW, false))
     };
     let rows: String = names.iter().zip(rows).map(row).collect();
-    format!(
-        "<div class=\"scroll\"><table class=\"matrix\">\n<caption>{}</caption>\n<tr><td></td>{header}</tr>\n{rows}</table>\
-         </div>\n",
-        escape(caption)
-    )
+    let caption = escape(caption);
+    scrolled("matrix", &format!("<caption>{caption}</caption>\n<tr><td></td>{header}</tr>\n{rows}"))
+}
+
+/// The rows of a table (HTML) of a class of the style, which scrolls where the page is too narrow for it.
+pub(crate) fn scrolled(class: &str, rows: &str) -> String {
+    format!("<div class=\"scroll\"><table class=\"{class}\">\n{rows}</table></div>\n")
 }
 
 /// A list; all items are text.
@@ -384,12 +382,26 @@ impl Cell {
         Cell { title, ..self }
     }
 
-    fn attributes(&self) -> String {
+    /// Its element, whose `tag` may have attributes.
+    fn element(&self, tag: &str, is_number: bool) -> String {
+        let class = if is_number { " class=\"number\"" } else { "" };
         let title = self.title.as_ref().map(|title| format!(" title=\"{}\"", escape(title)));
         // Digits that decide the order: those of the table are too few.
         let number = self.number.filter(|number| number.is_finite()).map(|number| format!(" data-sort=\"{number:e}\""));
-        [title, number].into_iter().flatten().collect()
+        let attributes: String = [title, number].into_iter().flatten().collect();
+        let name = tag.split(' ').next().unwrap_or_default();
+        format!("<{tag}{class}{attributes}>{}</{name}>", self.content)
     }
+}
+
+/// Elements of cells that name a column and a row.
+const HEAD: &str = "th scope=\"col\"";
+const HEAD_OF_ROW: &str = "th scope=\"row\"";
+
+/// A row of a table.
+fn line(cells: &[Cell], tag: &str, is_number: impl Fn(usize) -> bool) -> String {
+    let cells: String = cells.iter().enumerate().map(|(at, cell)| cell.element(tag, is_number(at))).collect();
+    format!("<tr>{cells}</tr>\n")
 }
 
 /// A table whose columns sort its rows; a wide one of few rows is turned, so that its heads stand at the left.
@@ -405,18 +417,10 @@ pub(crate) fn sorted_table(head: &[Cell], rows: &[Vec<Cell>]) -> String {
         cells.peek().is_some() && cells.all(|cell| cell.number.is_some())
     };
     let numbers: Vec<bool> = (0..head.len()).map(is_number).collect();
-    let class = |at: usize| if numbers.get(at) == Some(&true) { " class=\"number\"" } else { "" };
-    let line = |cells: &[Cell], tag: &str, scope: &str| -> String {
-        let cell = |(at, cell): (usize, &Cell)| {
-            format!("<{tag}{scope}{}{}>{}</{tag}>", class(at), cell.attributes(), cell.content)
-        };
-        format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
-    };
-    let body: String = rows.iter().map(|row| line(row, "td", "")).collect();
-    let head = line(head, "th", " scope=\"col\"");
-    format!(
-        "<div class=\"scroll\"><table class=\"sorted\">\n<thead>{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n"
-    )
+    let is_number = |at: usize| numbers.get(at) == Some(&true);
+    let body: String = rows.iter().map(|row| line(row, "td", is_number)).collect();
+    let head = line(head, HEAD, is_number);
+    scrolled("sorted", &format!("<thead>{head}</thead>\n<tbody>\n{body}</tbody>\n"))
 }
 
 /// The table with a row a column.
@@ -424,14 +428,12 @@ fn turned(head: &[Cell], rows: &[Vec<Cell>]) -> String {
     let line = |(at, head): (usize, &Cell)| {
         let cell = |row: &Vec<Cell>| {
             let cell = row.get(at).cloned().unwrap_or_default();
-            let class = if cell.number.is_some() { " class=\"number\"" } else { "" };
-            format!("<td{class}{}>{}</td>", cell.attributes(), cell.content)
+            cell.element("td", cell.number.is_some())
         };
         let cells: String = rows.iter().map(cell).collect();
-        format!("<tr><th scope=\"row\"{}>{}</th>{cells}</tr>\n", head.attributes(), head.content)
+        format!("<tr>{}{cells}</tr>\n", head.element(HEAD_OF_ROW, false))
     };
-    let lines: String = head.iter().enumerate().map(line).collect();
-    format!("<div class=\"scroll\"><table class=\"turned\">\n{lines}</table></div>\n")
+    scrolled("turned", &head.iter().enumerate().map(line).collect::<String>())
 }
 
 /// `content` (HTML), folded below a line (text) that opens it; empty without content.
@@ -457,11 +459,11 @@ mod tests {
         let html = page("a < b", "<p>body</p>\n");
         assert!(html.contains("<title>a &lt; b</title>") && html.contains("default-src 'none'"));
         assert!(html.contains("<script>const VIRIDIS = [[68,1,84],[71,45,123],"), "the colours stand before the parts");
-        assert_eq!(html.matches("'sha256-").count(), SCRIPTS.len());
-        assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && html.contains(script.as_str())));
         let living = living_page("a < b", "");
-        assert_eq!(living.matches("'sha256-").count(), LIVING.len());
-        assert!(LIVING.iter().all(|script| !script.contains("</script") && living.contains(script)));
+        for (html, kit) in [(html, &STILL), (living, &LIVING)] {
+            assert_eq!(html.matches("'sha256-").count(), kit.scripts.len());
+            assert!(kit.scripts.iter().all(|script| !script.contains("</script") && html.contains(script.as_str())));
+        }
     }
 
     #[test]

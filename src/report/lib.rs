@@ -8,6 +8,7 @@ pub mod drop_page;
 mod error_maps;
 mod figure;
 mod film;
+mod film_data;
 mod fit_page;
 mod html;
 mod panes;

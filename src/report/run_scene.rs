@@ -1,8 +1,9 @@
 //! The scene of a run: the faces of film with the fields that colour them, the impactors and the bars of the frame.
 
+use std::f32::consts::PI;
+
 use membrane::engine::Surface;
 use scene::simulate::{Film, FilmSpring, FilmState, Image, Outcome, Snapshot};
-use serde::Deserialize;
 
 /// Sides of a round impactor.
 const SIDES: u32 = 72;
@@ -39,7 +40,7 @@ pub struct SceneFace {
 }
 
 /// Surface of a body about its centre of mass.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct SceneBody {
     /// Vertices, m.
     pub points: Vec<[f32; 3]>,
@@ -125,98 +126,74 @@ pub struct Field {
     pub symbol: &'static str,
     /// Unit in which it is shown.
     pub unit: &'static str,
-    /// Factor from the value of `of` to the unit.
+    /// Factor from its values to the unit.
     factor: f32,
-    /// Of an element, by its index.
-    of: fn(&FilmState, usize) -> f32,
-    /// Whether film in this state has it; all has it where there is no such condition.
-    only: Option<fn(&FilmState) -> bool>,
+    values: Values,
+}
+
+/// What the value of an element follows from.
+enum Values {
+    /// Its strains along MD and TD and in shear, which all film has.
+    Strains(fn([f32; 3]) -> f32),
+    /// A number of each element, which film has where its law or its surroundings give it.
+    Given(fn(&FilmState) -> &[f32], fn(f32) -> f32),
 }
 
 /// The fields to choose from, the default first. A mirror image reverses a shear angle, so its magnitude is shown. The
 /// last four only where a law gives the thickness or a plastic strain, where film can tear, and where it warms up.
 pub const FIELDS: [Field; 8] = [
-    Field {
-        key: "largest",
-        title: "Larger fibre strain",
-        symbol: "max(MD, TD)",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| state.strains[element][0].max(state.strains[element][1]),
-        only: None,
-    },
-    Field {
-        key: "md",
-        title: "Strain MD",
-        symbol: "MD",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| state.strains[element][0],
-        only: None,
-    },
-    Field {
-        key: "td",
-        title: "Strain TD",
-        symbol: "TD",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| state.strains[element][1],
-        only: None,
-    },
-    Field {
-        key: "shear",
-        title: "Shear",
-        symbol: "|γ|",
-        unit: "°",
-        factor: 180.0 / std::f32::consts::PI,
-        of: |state, element| state.strains[element][2].abs(),
-        only: None,
-    },
-    Field {
-        key: "thickness",
-        title: "Loss of thickness",
-        symbol: "1 − h/h₀",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| 1.0 - state.thickness_ratio.get(element).copied().unwrap_or(f32::NAN),
-        only: Some(|state| !state.thickness_ratio.is_empty()),
-    },
-    Field {
-        key: "plastic",
-        title: "Plastic strain",
-        symbol: "equivalent",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| state.plastic_strain.get(element).copied().unwrap_or(f32::NAN),
-        only: Some(|state| !state.plastic_strain.is_empty()),
-    },
-    Field {
-        key: "damage",
-        title: "Damage",
-        symbol: "share of the force lost",
-        unit: "%",
-        factor: 100.0,
-        of: |state, element| state.damage.get(element).copied().unwrap_or(f32::NAN),
-        only: Some(|state| !state.damage.is_empty()),
-    },
-    Field {
-        key: "warming",
-        title: "Warming",
-        symbol: "ΔT",
-        unit: "K",
-        factor: 1.0,
-        of: |state, element| state.warming.get(element).copied().unwrap_or(f32::NAN),
-        only: Some(|state| !state.warming.is_empty()),
-    },
+    Field::of_strains("largest", ["Larger fibre strain", "max(MD, TD)", "%"], 100.0, |[md, td, _]| md.max(td)),
+    Field::of_strains("md", ["Strain MD", "MD", "%"], 100.0, |[md, _, _]| md),
+    Field::of_strains("td", ["Strain TD", "TD", "%"], 100.0, |[_, td, _]| td),
+    Field::of_strains("shear", ["Shear", "|γ|", "°"], 180.0 / PI, |[_, _, shear]| shear.abs()),
+    Field::given(
+        "thickness",
+        ["Loss of thickness", "1 − h/h₀", "%"],
+        100.0,
+        |film| &film.thickness_ratio,
+        |ratio| 1.0 - ratio,
+    ),
+    Field::given("plastic", ["Plastic strain", "equivalent", "%"], 100.0, |film| &film.plastic_strain, |strain| strain),
+    Field::given("damage", ["Damage", "share of the force lost", "%"], 100.0, |film| &film.damage, |share| share),
+    Field::given("warming", ["Warming", "ΔT", "K"], 1.0, |film| &film.warming, |growth| growth),
 ];
 
 /// Least upper end of the range of a field: strains below it are rounding errors.
 const LEAST: f32 = 1e-6;
 
 impl Field {
+    /// A field that follows from strains: its key, its title, symbol and unit, the factor to that.
+    const fn of_strains(key: &'static str, words: [&'static str; 3], factor: f32, of: fn([f32; 3]) -> f32) -> Field {
+        let [title, symbol, unit] = words;
+        Field { key, title, symbol, unit, factor, values: Values::Strains(of) }
+    }
+
+    /// A field that film has where it has these numbers, and what is made of them.
+    const fn given(
+        key: &'static str,
+        words: [&'static str; 3],
+        factor: f32,
+        numbers: fn(&FilmState) -> &[f32],
+        of: fn(f32) -> f32,
+    ) -> Field {
+        let [title, symbol, unit] = words;
+        Field { key, title, symbol, unit, factor, values: Values::Given(numbers, of) }
+    }
+
+    /// The value of an element, by its index.
+    fn value(&self, state: &FilmState, element: usize) -> f32 {
+        match self.values {
+            Values::Strains(of) => of(state.strains[element]),
+            Values::Given(numbers, of) => numbers(state).get(element).copied().map_or(f32::NAN, of),
+        }
+    }
+
     /// The fields of faces in the states `films` at one time.
     pub fn all_in(films: &[FilmState]) -> impl Iterator<Item = &'static Field> {
-        let is_shown = |field: &&Field| field.only.is_none_or(|is_in| films.iter().any(is_in));
+        let is_shown = |field: &&Field| match field.values {
+            Values::Strains(_) => true,
+            Values::Given(numbers, _) => films.iter().any(|film| !numbers(film).is_empty()),
+        };
         FIELDS.iter().filter(is_shown)
     }
 
@@ -227,7 +204,7 @@ impl Field {
 
     fn largest(&self, state: &FilmState) -> f32 {
         let intact = state.failed.iter().enumerate().filter(|(_, failed)| !**failed);
-        intact.map(|(element, _)| (self.of)(state, element)).fold(0.0, f32::max)
+        intact.map(|(element, _)| self.value(state, element)).fold(0.0, f32::max)
     }
 
     /// Values at the nodes of a face, in its unit: the mean of the intact elements around each, zero where there is none.
@@ -238,7 +215,7 @@ impl Field {
             let corners = if corners[2] == corners[3] { &corners[..3] } else { &corners[..] };
             for node in corners {
                 let (sum, elements) = &mut sums[*node as usize];
-                *sum += self.factor * (self.of)(state, element);
+                *sum += self.factor * self.value(state, element);
                 *elements += 1.0;
             }
         }

@@ -312,6 +312,16 @@ fn on_points(sheets: &[Sheet<'_>]) -> Vec<Attribute> {
     ]
 }
 
+/// Numbers of each element that film has where its law or its surroundings give them.
+type Given = fn(&FilmState) -> &[f32];
+
+/// Arrays on cells that are written where a face has them.
+const GIVEN: [(&str, Given); 3] = [
+    ("plastic_strain", |film| &film.plastic_strain),
+    ("damage", |film| &film.damage),
+    ("warming_K", |film| &film.warming),
+];
+
 fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
     let of = |name: &str, value: &dyn Fn(&Cell<'_>) -> f32| scalars(name, cells.iter().map(value));
     let count = |name: &str, value: &dyn Fn(&Cell<'_>) -> u32| numbers(name, cells.iter().map(value));
@@ -338,17 +348,13 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
         count("layers", &|cell| cell.sheet.face.layers),
         count("image", &|cell| cell.sheet.image.number),
     ];
-    if cells.iter().any(|cell| !cell.sheet.state.plastic_strain.is_empty()) {
-        arrays.push(of("plastic_strain", &|cell| cell.plastic_strain()));
-    }
-    if cells.iter().any(|cell| !cell.sheet.state.damage.is_empty()) {
-        arrays.push(of("damage", &|cell| cell.damage()));
-    }
-    if cells.iter().any(|cell| !cell.sheet.state.warming.is_empty()) {
-        arrays.push(of("warming_K", &|cell| cell.warming()));
+    for (name, given) in GIVEN {
+        if cells.iter().any(|cell| !given(cell.sheet.state).is_empty()) {
+            arrays.push(of(name, &|cell| cell.given(given)));
+        }
     }
     if with_thickness {
-        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.thickness_ratio()));
+        arrays.push(of("thickness_m", &|cell| cell.thickness() * cell.given(|film| &film.thickness_ratio)));
     }
     arrays
 }
@@ -386,24 +392,9 @@ impl Cell<'_> {
         (material.thickness * f64::from(*layers)) as f32
     }
 
-    /// NaN where its law does not give it.
-    fn thickness_ratio(&self) -> f32 {
-        self.sheet.state.thickness_ratio.get(self.element).copied().unwrap_or(f32::NAN)
-    }
-
-    /// NaN where its law has none.
-    fn plastic_strain(&self) -> f32 {
-        self.sheet.state.plastic_strain.get(self.element).copied().unwrap_or(f32::NAN)
-    }
-
-    /// NaN where film has no rupture criterion of its own.
-    fn damage(&self) -> f32 {
-        self.sheet.state.damage.get(self.element).copied().unwrap_or(f32::NAN)
-    }
-
-    /// K; NaN where film does not warm up.
-    fn warming(&self) -> f32 {
-        self.sheet.state.warming.get(self.element).copied().unwrap_or(f32::NAN)
+    /// A number that not all film has; NaN where there is none.
+    fn given(&self, given: Given) -> f32 {
+        given(self.sheet.state).get(self.element).copied().unwrap_or(f32::NAN)
     }
 
     fn area_ratio(&self) -> f32 {

@@ -107,6 +107,11 @@ pub struct FilmSpring {
 }
 
 impl FilmSpring {
+    /// A spring whose end on the film is a node.
+    pub fn at_node(node: u32, anchor: [f32; 3]) -> FilmSpring {
+        FilmSpring { anchor, nodes: [node; 2], shares: [1.0, 0.0] }
+    }
+
     /// Its end on the film, from the positions of the nodes of the face (m).
     pub fn end(&self, positions: &[[f32; 3]]) -> [f32; 3] {
         let [from, to] = self.nodes.map(|node| positions[node as usize]);

@@ -1,6 +1,6 @@
 //! Pages that are read back: plots, and the film as a scene.
 //!
-//! Readers: src/report/stored.rs src/report/film.rs
+//! Readers: src/report/stored.rs src/report/drawn.rs src/report/film_data.rs
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
