@@ -145,7 +145,10 @@ fn png(
     let tree = Tree::from_str(document, &Options { fontdb: FONTS.clone(), ..Options::default() })?;
     let [across, down] = [width as f32 / tree.size().width(), height as f32 / tree.size().height()];
     resvg::render(&tree, Transform::from_scale(across, down), &mut pixmap.as_mut());
-    encoded(&pixmap, dpi)
+    let colours: Vec<u8> = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+    let density = (dpi * INCHES).round() as u32;
+    let on_paper = PixelDimensions { xppu: density, yppu: density, unit: Unit::Meter };
+    encoded(ColorType::Rgb, [width, height], &colours, Some(on_paper))
 }
 
 /// Puts pixels on a white ground.
@@ -169,26 +172,25 @@ fn put(pixmap: &mut Pixmap, pixels: &Pixels, [left, top]: [u32; 2]) {
     }
 }
 
-fn encoded(pixmap: &Pixmap, dpi: f64) -> Result<Vec<u8>, PictureError> {
-    let colours: Vec<u8> = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+/// Pixels of a byte a colour as PNG, which may state their size on paper.
+fn encoded(
+    colours: ColorType,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+    on_paper: Option<PixelDimensions>,
+) -> Result<Vec<u8>, PictureError> {
     let mut content = Vec::new();
-    let mut encoder = Encoder::new(&mut content, pixmap.width(), pixmap.height());
-    encoder.set_color(ColorType::Rgb);
+    let mut encoder = Encoder::new(&mut content, width, height);
+    encoder.set_color(colours);
     encoder.set_depth(BitDepth::Eight);
-    let density = (dpi * INCHES).round() as u32;
-    encoder.set_pixel_dims(Some(PixelDimensions { xppu: density, yppu: density, unit: Unit::Meter }));
-    encoder.write_header()?.write_image_data(&colours)?;
+    encoder.set_pixel_dims(on_paper);
+    encoder.write_header()?.write_image_data(bytes)?;
     Ok(content)
 }
 
 impl Pixels {
     /// As PNG with opacity.
     fn encoded(&self) -> Result<Vec<u8>, PictureError> {
-        let mut content = Vec::new();
-        let mut encoder = Encoder::new(&mut content, self.width as u32, self.height as u32);
-        encoder.set_color(ColorType::Rgba);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.write_header()?.write_image_data(self.rows.as_flattened())?;
-        Ok(content)
+        encoded(ColorType::Rgba, [self.width as u32, self.height as u32], self.rows.as_flattened(), None)
     }
 }

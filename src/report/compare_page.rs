@@ -10,10 +10,9 @@ use crate::panes::CHARACTERISTICS;
 use crate::{Figure, cell, figure};
 use base::diagnostic::shown_path;
 use base::number::significant;
-use base::written::{DIGITS, capital, digits};
+use base::written::{DIGITS, Reading, capital, digits};
 use lab::signal::{Series, column};
-use plot as diagrams;
-use plot::{Curve, Plot, TIME};
+use plot::{Curve, Plot, TIME, thinned_together};
 use scene::expectation::Outside;
 use scene::scenario::grammar;
 use study::post::comparison::{ComparedFigure, ComparedKey, ComparedRun, ComparedSignal};
@@ -32,7 +31,7 @@ pub fn compare_page(comparison: &RunComparison, outside: Option<&[Outside]>) -> 
         let names = comparison.runs.iter().map(|run| Cell::text(&run.name));
         std::iter::once(Cell::text(first)).chain(names).collect::<Vec<_>>()
     };
-    let (over_time, against) = plots(comparison);
+    let [over_time, against] = plots(comparison);
     let film = film(comparison).map(|row| row.into_iter().map(Cell::text).collect());
     let rows: Vec<Vec<Cell>> = film.into_iter().chain(shown_figures(comparison.key_figures())).collect();
     let key_figures = html::sorted_table(&head("figure"), &rows);
@@ -122,10 +121,8 @@ fn distances(table: &str) -> String {
 
 /// `peak force (N)`.
 fn quantity(name: &str) -> String {
-    match figure::named(name) {
-        (words, unit) if unit.is_empty() => words,
-        (words, unit) => format!("{words} ({unit})"),
-    }
+    let (words, unit) = figure::named(name);
+    unit.heading(&words)
 }
 
 /// A relative difference in percent; of a value that is many times the first one how many, and of one with the other sign that.
@@ -144,33 +141,28 @@ fn signed_percent(share: f64) -> String {
 }
 
 /// Every common signal over time, a curve a run; and pairs of them over each other.
-fn plots(comparison: &RunComparison) -> (Vec<Plot>, Vec<Plot>) {
+fn plots(comparison: &RunComparison) -> [Vec<Plot>; 2] {
     let over_time = comparison.signals.iter().map(|signals| {
-        let shown = Shown::from_name(&signals.column);
-        let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, v * shown.factor]).collect::<Vec<_>>();
+        let (words, reading) = shown(&signals.column);
+        let points = |series: &Series| series.samples().map(|[t, v]| [t * 1e3, reading.value(v)]).collect::<Vec<_>>();
         let curves = curves(comparison, |run| signals.series[run].as_ref().map(points));
-        Plot::new(capital(&shown.words), [TIME, &shown.axis()], curves)
+        Plot::new(capital(&words), [TIME, &reading.heading(&words)], curves)
     });
     let against = CHARACTERISTICS.iter().filter_map(|(_, pair)| {
         let [x, y] = pair.map(|column| comparison.signals.iter().find(|signals| signals.column == column.name));
         Some(against_each_other(comparison, x?, y?))
     });
-    let (mut over_time, against): (Vec<Plot>, Vec<Plot>) = (over_time.collect(), against.collect());
-    let count = over_time.len();
-    over_time.extend(against);
-    let mut over_time = diagrams::thinned(over_time, MOST_POINTS);
-    let against = over_time.split_off(count);
-    (over_time, against)
+    thinned_together([over_time.collect(), against.collect()], MOST_POINTS)
 }
 
 fn against_each_other(comparison: &RunComparison, x: &ComparedSignal, y: &ComparedSignal) -> Plot {
-    let [across, up] = [x, y].map(|signals| Shown::from_name(&signals.column));
+    let [(of_x, across), (of_y, up)] = [x, y].map(|signals| shown(&signals.column));
     let points = |run: usize| {
         let (x, y) = (x.series[run].as_ref()?, y.series[run].as_ref()?);
-        Some(x.values().iter().zip(y.values()).map(|(x, y)| [x * across.factor, y * up.factor]).collect())
+        Some(x.values().iter().zip(y.values()).map(|(x, y)| [across.value(*x), up.value(*y)]).collect())
     };
-    let title = capital(&format!("{} over {}", up.words, across.words));
-    Plot::new(title, [&across.axis(), &up.axis()], curves(comparison, points))
+    let title = capital(&format!("{of_y} over {of_x}"));
+    Plot::new(title, [&across.heading(&of_x), &up.heading(&of_y)], curves(comparison, points))
 }
 
 fn curves(comparison: &RunComparison, points: impl Fn(usize) -> Option<Vec<[f64; 2]>>) -> Vec<Curve> {
@@ -178,26 +170,13 @@ fn curves(comparison: &RunComparison, points: impl Fn(usize) -> Option<Vec<[f64;
     comparison.runs.iter().enumerate().filter_map(curve).collect()
 }
 
-/// How a column is shown: its words and the unit of its axis.
-struct Shown {
-    words: String,
-    unit: String,
-    /// From SI to the unit.
-    factor: f64,
-}
-
-impl Shown {
-    /// The unit is that of the table of columns, or the one in the name of a column that is not in the table.
-    fn from_name(name: &str) -> Shown {
-        let (words, unit) = figure::named(name);
-        match column::find(name) {
-            Some((_, known)) => Shown { words, unit: known.axis_unit.into(), factor: known.factor },
-            None => Shown { words, unit, factor: 1.0 },
-        }
-    }
-
-    fn axis(&self) -> String {
-        if self.unit.is_empty() { self.words.clone() } else { format!("{} ({})", self.words, self.unit) }
+/// The words of a column and how it is shown: in the unit of the table of columns, or in the one in the name of a column that
+/// is not in the table.
+fn shown(name: &str) -> (String, Reading) {
+    let (words, named) = figure::named(name);
+    match column::find(name) {
+        Some((_, known)) => (words, Reading { unit: known.axis_unit.into(), factor: known.factor }),
+        None => (words, named),
     }
 }
 
@@ -376,7 +355,7 @@ mod tests {
             StoredRun { place: format!("/r/{number}").into(), signals, ..StoredRun::default() }
         };
         let comparison = RunComparison::from_runs(&(0..16).map(run).collect::<Vec<_>>(), &[]);
-        let (over_time, against) = plots(&comparison);
+        let [over_time, against] = plots(&comparison);
         assert_eq!((over_time.len(), against.len()), (6, 2));
         let page = compare_page(&comparison, None);
         assert!(page.len() < 3_000_000, "{}", page.len());

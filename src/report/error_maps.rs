@@ -6,7 +6,7 @@ use std::fmt::Write;
 use super::html::{escape, table_of_numbers};
 use super::{RunPage, drawn};
 use base::number::{duration, significant};
-use plot::viridis::viridis;
+use plot::viridis::{stops, viridis};
 use plot::{Curve, Plot, TIME};
 use study::field_comparison::{FieldComparison, StateErrors};
 
@@ -131,8 +131,7 @@ fn maps(field: &FieldComparison) -> String {
     }
     let figures = gathered.iter().map(|(state, cells)| figure(&frame, state, cells, largest));
     let figures = drawn::small_figures(figures);
-    let stops: String = (0..=8).map(|stop| format!("{} ", colour(f64::from(stop) / 8.0))).collect();
-    let stops = stops.trim_end().replace(' ', ", ");
+    let stops = stops().map(|(_, colour)| colour).collect::<Vec<_>>().join(", ");
     format!(
         "<h3>Error of the displacement, seen along z</h3>\n{figures}<p class=\"note\">0 <span class=\"colours\" \
          style=\"background:linear-gradient(to right, {stops})\"></span> {}; a mark is the root mean square of the points at its \

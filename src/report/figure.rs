@@ -3,10 +3,11 @@
 use serde_json::{Map, Value};
 
 use crate::html::{self, Card, escape};
+use crate::script_output::cell;
 use base::diagnostic::steers;
 use base::number::{self, duration, significant};
 use base::units::{STANDARD_GRAVITY, Unit, printed};
-use base::written::LINE_FORCES;
+use base::written::{LINE_FORCES, Reading};
 use scene::model::Model;
 use study::post::{
     BodyFigures, HEADLINES, Headline, LEAST_SHARE, Measures, Results, TestKind, Verdict, descends, headlines_of,
@@ -33,19 +34,13 @@ pub struct Figure {
 impl Figure {
     /// The figure `name` of a summary; `None` where there is no value or it is not one number, text or truth.
     pub fn from_value(name: &str, value: &Value) -> Option<Figure> {
-        let (words, unit) = named(name);
+        let (words, Reading { unit, .. }) = named(name);
         let unit = match (unit.as_str(), value.as_f64()) {
             ("m/s²", Some(acceleration)) => format!("m/s² ({} g)", number::figure(acceleration / G, DIGITS)),
             _ => unit,
         };
-        let value = match value {
-            Value::Number(number) if number.is_f64() => number::figure(number.as_f64()?, DIGITS),
-            Value::Number(number) => number.to_string(),
-            Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
-            Value::String(text) => text.clone(),
-            _ => return None,
-        };
-        Some(Figure { words, value, unit })
+        let is_single = !matches!(value, Value::Null | Value::Array(_) | Value::Object(_));
+        is_single.then(|| Figure { words, value: cell(value), unit })
     }
 
     /// Words, value, unit.
@@ -62,23 +57,20 @@ pub(crate) fn table<'a>(figures: impl Iterator<Item = (&'a String, &'a Value)>) 
         Some(format!("<tr data-figure=\"{name}\" data-value=\"{value}\"><td>{}</td></tr>\n", cells.join("</td><td>")))
     };
     let rows: String = figures.filter_map(row).collect();
-    if rows.is_empty() {
-        rows
-    } else {
-        format!("<div class=\"scroll\"><table class=\"figures\">\n{rows}</table></div>\n")
-    }
+    if rows.is_empty() { rows } else { html::scrolled("figures", &rows) }
 }
 
 /// Words and unit in the name of a figure or of a column: `peak_acceleration_m_s2` is a peak acceleration in m/s².
-pub(crate) fn named(name: &str) -> (String, String) {
+pub(crate) fn named(name: &str) -> (String, Reading) {
     let force = LINE_FORCES.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, (*unit).to_owned())));
     let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
-    match force.or_else(other) {
-        _ if name == "penetration" => (name.into(), "of the radius".into()),
-        _ if name == "seconds" => ("time".into(), "s".into()),
-        Some((stem, unit)) => (stem.replace('_', " "), unit),
-        None => (name.replace('_', " "), String::new()),
-    }
+    let (words, unit) = match force.or_else(other) {
+        _ if name == "penetration" => (name, "of the radius".into()),
+        _ if name == "seconds" => ("time", "s".into()),
+        Some(found) => found,
+        None => (name, String::new()),
+    };
+    (words.replace('_', " "), Reading { unit, factor: 1.0 })
 }
 
 /// The figures of a summary as a table in Markdown.
@@ -242,13 +234,13 @@ mod tests {
             |text: &&str| text.find('_') > Some(0) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         let names: Vec<&str> = texts.iter().flat_map(|text| text.split('"')).filter(is_name).collect();
         let units =
-            ["failure_mass_kg", "head_km_h", "resultant_N_mm"].map(|name| (names.contains(&name), named(name).1));
+            ["failure_mass_kg", "head_km_h", "resultant_N_mm"].map(|name| (names.contains(&name), named(name).1.unit));
         assert_eq!(units, [(true, "kg".into()), (true, "km/h".into()), (true, "N/mm".into())]);
         for name in names {
             let last = name.rsplit('_').next().unwrap_or_default();
             // Smallest, not minutes.
             let is_unit = Unit::parse(last).is_ok() && last != "min" && last.parse::<f64>().is_err();
-            assert!(!is_unit || !named(name).1.is_empty(), "{name} has no unit");
+            assert!(!is_unit || !named(name).1.unit.is_empty(), "{name} has no unit");
         }
     }
 

@@ -192,16 +192,16 @@ fn search_plots(convergence: &ConvergenceHistory) -> Vec<Plot> {
     own.chain(convergence.fits.iter().map(|fit| best_fit(convergence, fit, "best"))).collect()
 }
 
-/// The reference of a fit alone.
-pub(crate) fn target(convergence: &ConvergenceHistory, fit: &Fit) -> Plot {
+/// The reference of a fit alone, of a search with this title.
+pub(crate) fn target(title: &str, is_virtual: bool, fit: &Fit) -> Plot {
     let x = match fit.target.over {
         Over::Time => TIME,
         Over::Strain => "strain",
         Over::Travel => "travel (mm)",
     };
-    let name = if convergence.is_virtual { "reference (virtual)" } else { "reference" };
+    let name = if is_virtual { "reference (virtual)" } else { "reference" };
     let reference = Curve::line(name, fit_points(fit, &fit.target.values)).dashed();
-    Plot::new(format!("{}: {}", convergence.title, fit.quantity), [x, fit.label().as_str()], vec![reference])
+    Plot::new(format!("{title}: {}", fit.quantity), [x, fit.label().as_str()], vec![reference])
 }
 
 /// Factors from the values of a fit to the units of its axes. Signals over time are in the unit that the script
@@ -246,7 +246,7 @@ fn has_lines(plot: &Plot) -> bool {
 
 /// The best simulation, by this name, over its target.
 pub(crate) fn best_fit(convergence: &ConvergenceHistory, fit: &Fit, name: &str) -> Plot {
-    let mut plot = target(convergence, fit);
+    let mut plot = target(&convergence.title, convergence.is_virtual, fit);
     plot.curves.insert(0, simulated(name, fit));
     plot
 }
@@ -353,7 +353,7 @@ mod tests {
         {
             let (quantity, unit) = ("stress".into(), Unit::parse(symbol).ok());
             let fit = Fit { quantity, unit, target: stresses.clone(), values: vec![] };
-            let plot = target(&ConvergenceHistory { is_virtual: true, ..search(&[1.0]) }, &fit);
+            let plot = target("a search", true, &fit);
             assert_eq!((plot.y.label.as_str(), plot.curves[0].points[1][1]), expected);
             assert_eq!(plot.curves[0].name, "reference (virtual)");
         }

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::drawn::{self, Line, RangeLook, ranges};
 use crate::figure;
 use crate::html::{self, Cell, escape, folded};
+use base::number::ends;
 use base::shell::quoted;
 use base::table::{Column, Values};
 use base::units::Dimension;
@@ -168,11 +169,7 @@ fn rupture(results: &SweepResults) -> String {
 /// How many runs have which value.
 fn histogram(figure: &Shown, of: &Quantiles) -> Option<Plot> {
     let values: Vec<f64> = figure.numbers().into_iter().flatten().filter(|value| value.is_finite()).collect();
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if high <= low {
-        return None;
-    }
+    let [low, high] = ends(values.iter().copied()).filter(|[low, high]| low < high)?;
     let count = ((values.len() as f64).sqrt().ceil() as usize).clamp(BARS[0], BARS[1]);
     let width = (high - low) / count as f64;
     let mut bars = vec![0_usize; count];
@@ -316,9 +313,7 @@ pub(crate) fn scatters(page: &SweepPage, columns: &Columns) -> Vec<Plot> {
 fn scatter(input: &Shown, figure: &Shown) -> Option<Plot> {
     let points = points(input, figure);
     let shown = |[x, y]: [f64; 2]| [input.reading.value(x), figure.reading.value(y)];
-    let trend = Trend::of_points(&points).map(|trend| {
-        let low = points.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
-        let high = points.iter().map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
+    let trend = Trend::of_points(&points).zip(ends(points.iter().map(|point| point[0]))).map(|(trend, [low, high])| {
         let at = |step: usize| low + (high - low) * step as f64 / TREND_POINTS as f64;
         Curve::line("trend", (0..=TREND_POINTS).map(|step| shown([at(step), trend.at(at(step))])))
     });

@@ -14,7 +14,7 @@ use base::finding::Finding;
 use base::number::significant;
 use lab::experiment::Warning;
 use lab::experiment::drop::Drop;
-use plot::{Plot, thinned};
+use plot::{Plot, thinned, thinned_together};
 
 pub use crate::drop_page::plots::reading;
 pub use crate::drop_page::test::{DROP_QUANTITIES, DropQuantity, DropScatter, DropTest, FigureScatter, names};
@@ -55,14 +55,11 @@ fn one(page: &DropPage<'_>, test: &DropTest) -> String {
         Some(Ok(Value::Object(figures))) => figures,
         _ => Map::new(),
     };
-    let whole = plots::whole(test);
     let about = match &test.outcome {
         Ok(drop) => plots::impact(test, drop),
         Err(_) => plots::laser(test).into_iter().collect(),
     };
-    let count = about.len();
-    let mut plots = thinned(about.into_iter().chain(whole).collect(), MOST_POINTS);
-    let whole = plots.split_off(count);
+    let [plots, whole] = thinned_together([about, Vec::from_iter(plots::whole(test))], MOST_POINTS);
     let rows: Vec<Vec<String>> = match &test.outcome {
         Ok(_) => page.figures.iter().map(|(name, value)| vec![(*name).to_owned(), value.clone()]).collect(),
         Err(_) => found(test),
@@ -118,12 +115,19 @@ fn origin(test: &DropTest) -> Vec<Vec<String>> {
 }
 
 /// The files of several recordings with their digests, folded.
-fn origins(names: &[String], tests: &[DropTest]) -> String {
-    let row = |(name, test): (&String, &DropTest)| {
-        vec![name.clone(), shown_path(&test.path), test.fingerprint.clone().unwrap_or_default()]
+fn origins(tests: &[Named]) -> String {
+    let row = |(name, test): &Named| {
+        vec![(*name).to_owned(), shown_path(&test.path), test.fingerprint.clone().unwrap_or_default()]
     };
-    let rows: Vec<Vec<String>> = names.iter().zip(tests).map(row).collect();
+    let rows: Vec<Vec<String>> = tests.iter().map(row).collect();
     folded("files and their checksums", &html::table(&["recording", "path", "SHA-256"], &rows))
+}
+
+/// A recording of several and its name among them.
+type Named<'a> = (&'a str, &'a DropTest);
+
+fn named<'a>(names: &'a [String], tests: &'a [DropTest]) -> Vec<Named<'a>> {
+    names.iter().map(String::as_str).zip(tests).collect()
 }
 
 /// Most drops over each other, and most small plots.
@@ -138,34 +142,32 @@ const MOST_OF_SEVERAL: [usize; 2] = [40_000, 30_000];
 
 /// The sentence of the page of several recordings.
 pub fn several_answer(tests: &[DropTest], scatter: &[DropScatter]) -> String {
-    of_several(&names(tests), tests, scatter)
+    of_several(&named(&names(tests), tests), scatter)
 }
 
 /// The page of several recordings.
 fn several_page(page: &DropPage<'_>) -> String {
     let DropPage { tests, scatter, .. } = *page;
     let names = names(tests);
+    let named = named(&names, tests);
     let title = if tests.len() == 1 { "1 drop test".to_owned() } else { format!("{} drop tests", tests.len()) };
     let parts = [
-        html::findings(failures(&names, tests), &findings(&names, tests)),
-        overlaid(&names, tests),
+        html::findings(failures(&named), &findings(&named)),
+        overlaid(&named),
         html::section("Medians and scatter", &medians(page)),
-        html::section("Recordings", &recordings(&names, tests)),
-        html::section("Each recording", &each(&names, tests)),
+        html::section("Recordings", &recordings(&named)),
+        html::section("Each recording", &each(&named)),
         html::section("Left out", &folded(LEFT_OUT, &html::list(page.left_out))),
-        html::section("What was reduced", &origins(&names, tests)),
+        html::section("What was reduced", &origins(&named)),
         html::section("Run it again", &html::verbatim(page.command)),
     ];
-    html::finished(&title, &of_several(&names, tests, scatter), &parts)
+    html::finished(&title, &of_several(&named, scatter), &parts)
 }
 
 /// The curves of all drops over each other.
-fn overlaid(names: &[String], tests: &[DropTest]) -> String {
-    let drops: Vec<_> = names
-        .iter()
-        .zip(tests)
-        .filter_map(|(name, test)| Some((name.as_str(), test, test.outcome.as_ref().ok()?)))
-        .collect();
+fn overlaid(tests: &[Named]) -> String {
+    let drops: Vec<_> =
+        tests.iter().filter_map(|(name, test)| Some((*name, *test, test.outcome.as_ref().ok()?))).collect();
     let shown = &drops[..drops.len().min(MOST_OVERLAID)];
     let plots = thinned(plots::overlaid(shown), MOST_OF_SEVERAL[0]);
     let rest = (drops.len() > shown.len())
@@ -174,9 +176,8 @@ fn overlaid(names: &[String], tests: &[DropTest]) -> String {
 }
 
 /// Small plots of each recording.
-fn each(names: &[String], tests: &[DropTest]) -> String {
-    let plots: Vec<Plot> =
-        names.iter().zip(tests).filter_map(|(name, test)| plots::each(name, test)).take(MOST_SMALL).collect();
+fn each(tests: &[Named]) -> String {
+    let plots: Vec<Plot> = tests.iter().filter_map(|(name, test)| plots::each(name, test)).take(MOST_SMALL).collect();
     let rest = (tests.len() > MOST_SMALL).then(|| html::note(&format!("The first {MOST_SMALL} of {}.", tests.len())));
     [drawn::small(&thinned(plots, MOST_OF_SEVERAL[1])), rest.unwrap_or_default()].concat()
 }
@@ -213,11 +214,11 @@ fn medians(page: &DropPage<'_>) -> String {
 }
 
 /// A row a recording.
-fn recordings(names: &[String], tests: &[DropTest]) -> String {
+fn recordings(tests: &[Named]) -> String {
     let head = ["recording", "mass (kg)", "height (m)"].map(Cell::text).into_iter();
     let quantities = DROP_QUANTITIES.iter().map(|quantity| Cell::text(quantity.heading()).titled(quantity.name));
     let head: Vec<Cell> = head.chain(quantities).chain([Cell::text("findings, or why there is no drop")]).collect();
-    let row = |(name, test): (&String, &DropTest)| {
+    let row = |(name, test): &Named| {
         let value = |value: Option<f64>| value.map_or_else(Cell::default, number);
         let values = DROP_QUANTITIES.iter().map(|quantity| {
             value(test.figures.as_ref().and_then(|figures| Some(quantity.factor * (quantity.of)(figures)?)))
@@ -230,25 +231,21 @@ fn recordings(names: &[String], tests: &[DropTest]) -> String {
             .chain([Cell::text(test.cause().unwrap_or_else(|| test.codes().join(", ")))])
             .collect()
     };
-    html::sorted_table(&head, &names.iter().zip(tests).map(row).collect::<Vec<Vec<Cell>>>())
+    html::sorted_table(&head, &tests.iter().map(row).collect::<Vec<Vec<Cell>>>())
 }
 
-fn failures(names: &[String], tests: &[DropTest]) -> Vec<String> {
-    let cause = |(name, test): (&String, &DropTest)| Some(format!("{name}: {}", test.cause()?));
-    names.iter().zip(tests).filter_map(cause).collect()
+fn failures(tests: &[Named]) -> Vec<String> {
+    tests.iter().filter_map(|(name, test)| Some(format!("{name}: {}", test.cause()?))).collect()
 }
 
 /// The findings of all tests, each with the name of its test.
-fn findings(names: &[String], tests: &[DropTest]) -> Vec<Finding> {
-    let of_test = |(name, test): (&String, &DropTest)| {
-        let named = |finding: &Finding| {
-            let mut finding = Finding { message: format!("{name}: {}", finding.message), ..finding.clone() };
-            finding.figures.insert(html::TEST.into(), name.as_str().into());
-            finding
-        };
-        test.findings.iter().map(named).collect::<Vec<_>>()
+fn findings(tests: &[Named]) -> Vec<Finding> {
+    let named = |name: &str, finding: &Finding| {
+        let mut finding = Finding { message: format!("{name}: {}", finding.message), ..finding.clone() };
+        finding.figures.insert(html::TEST.into(), name.into());
+        finding
     };
-    names.iter().zip(tests).flat_map(of_test).collect()
+    tests.iter().flat_map(|(name, test)| test.findings.iter().map(move |finding| named(name, finding))).collect()
 }
 
 /// Significant digits of a figure in a sentence.
@@ -307,9 +304,8 @@ fn saturated(drop: &Drop) -> Option<f64> {
 }
 
 /// The answer of several recordings: medians with their quartiles, and what could not be reduced.
-fn of_several(names: &[String], tests: &[DropTest], scatter: &[DropScatter]) -> String {
-    let failed: Vec<&str> =
-        names.iter().zip(tests).filter(|(_, test)| test.outcome.is_err()).map(|(name, _)| name.as_str()).collect();
+fn of_several(tests: &[Named], scatter: &[DropScatter]) -> String {
+    let failed: Vec<&str> = tests.iter().filter(|(_, test)| test.outcome.is_err()).map(|(name, _)| *name).collect();
     let medians = match scatter {
         [] => None,
         [one] => Some(format!(
@@ -327,9 +323,9 @@ fn of_several(names: &[String], tests: &[DropTest], scatter: &[DropScatter]) -> 
     let none = match failed.len() {
         0 => None,
         1 => Some(format!("1 of {} recordings could not be reduced: {}.", tests.len(), failed[0])),
-        count => Some(format!("{count} of {} recordings could not be reduced: {}.", tests.len(), named(&failed))),
+        count => Some(format!("{count} of {} recordings could not be reduced: {}.", tests.len(), shortened(&failed))),
     };
-    let virtual_ones = tests.iter().filter(|test| test.is_virtual()).count();
+    let virtual_ones = tests.iter().filter(|(_, test)| test.is_virtual()).count();
     let mark = (virtual_ones > 0).then(|| match virtual_ones == tests.len() {
         true => "All recordings are virtual, not measured.".to_owned(),
         false => format!("{virtual_ones} of the recordings are virtual, not measured."),
@@ -340,7 +336,7 @@ fn of_several(names: &[String], tests: &[DropTest], scatter: &[DropScatter]) -> 
 /// Most names in a sentence.
 const MOST_NAMED: usize = 4;
 
-fn named(names: &[&str]) -> String {
+fn shortened(names: &[&str]) -> String {
     let shown = names.iter().take(MOST_NAMED).copied().collect::<Vec<_>>().join(", ");
     match names.len().checked_sub(MOST_NAMED) {
         None | Some(0) => shown,

@@ -103,50 +103,23 @@ pub struct DropQuantity {
     pub of: fn(&Figures) -> Option<f64>,
 }
 
+const fn quantity(
+    name: &'static str,
+    words: &'static str,
+    (unit, factor): (&'static str, f64),
+    of: fn(&Figures) -> Option<f64>,
+) -> DropQuantity {
+    DropQuantity { name, words, unit, factor, of }
+}
+
 /// The quantities by which drops are compared.
 pub const DROP_QUANTITIES: [DropQuantity; 6] = [
-    DropQuantity {
-        name: "impact_velocity_m_s",
-        words: "impact speed",
-        unit: "m/s",
-        factor: 1.0,
-        of: |figures| Some(figures.impact_velocity_m_s),
-    },
-    DropQuantity {
-        name: "peak_acceleration_m_s2",
-        words: "peak deceleration",
-        unit: "g",
-        factor: 1.0 / G,
-        of: |figures| figures.peak_acceleration_m_s2,
-    },
-    DropQuantity {
-        name: "peak_displacement_m",
-        words: "travel",
-        unit: "mm",
-        factor: -1e3,
-        of: |figures| figures.peak_displacement_m,
-    },
-    DropQuantity {
-        name: "energy_absorption",
-        words: "loading energy absorbed",
-        unit: "%",
-        factor: 100.0,
-        of: |figures| figures.energy_absorption,
-    },
-    DropQuantity {
-        name: "final_absorbed_energy_J",
-        words: "absorbed by the film",
-        unit: "J",
-        factor: 1.0,
-        of: |figures| figures.final_absorbed_energy,
-    },
-    DropQuantity {
-        name: "rebound_velocity_m_s",
-        words: "largest upward speed",
-        unit: "m/s",
-        factor: 1.0,
-        of: |figures| figures.rebound_velocity_m_s,
-    },
+    quantity("impact_velocity_m_s", "impact speed", ("m/s", 1.0), |drop| Some(drop.impact_velocity_m_s)),
+    quantity("peak_acceleration_m_s2", "peak deceleration", ("g", 1.0 / G), |drop| drop.peak_acceleration_m_s2),
+    quantity("peak_displacement_m", "travel", ("mm", -1e3), |drop| drop.peak_displacement_m),
+    quantity("energy_absorption", "loading energy absorbed", ("%", 100.0), |drop| drop.energy_absorption),
+    quantity("final_absorbed_energy_J", "absorbed by the film", ("J", 1.0), |drop| drop.final_absorbed_energy),
+    quantity("rebound_velocity_m_s", "largest upward speed", ("m/s", 1.0), |drop| drop.rebound_velocity_m_s),
 ];
 
 impl DropQuantity {

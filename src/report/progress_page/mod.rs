@@ -191,8 +191,7 @@ impl StudyProgress {
             known: sum.known + other.known,
             failed: sum.failed + other.failed,
         };
-        let none = Counts { waiting: 0, running: 0, done: 0, known: 0, failed: 0 };
-        (active.into_iter().map(Search::counts).fold(none, add), "trials")
+        (active.into_iter().map(Search::counts).fold(Counts::default(), add), "trials")
     }
 
     /// How long it takes, in words: of a sweep the time. A search has a limit only, and a script may ask for more runs.

@@ -35,7 +35,7 @@ pub(crate) struct Causes {
 }
 
 /// Numbers of runs or trials.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Asked for, and not begun.
     pub waiting: usize,

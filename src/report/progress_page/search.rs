@@ -4,7 +4,7 @@ use crate::progress_page::runs::{Causes, Counts};
 use crate::script_output::{simulated, target};
 use plot::{Axis, Curve, Plot, Scale};
 use study::identify::{Evaluation, Labels, Progress, SearchStart, TrialEvent};
-use study::script::{Compared, ConvergenceHistory, Fit};
+use study::script::{Compared, Fit};
 
 /// Most trials whose errors are stored.
 const MOST_TRIALS: usize = 20_000;
@@ -61,7 +61,7 @@ impl Search {
             is_active: true,
             trials: vec![],
             best: None,
-            counts: Counts { waiting: 0, running: 0, done: 0, known: 0, failed: 0 },
+            counts: Counts::default(),
             causes: Causes::default(),
             running: vec![],
             fits: vec![],
@@ -173,17 +173,8 @@ impl Search {
     }
 
     fn curves(&self, Curves { current, best }: &Curves) -> Plot {
-        let titled = ConvergenceHistory {
-            title: self.title(),
-            continues: false,
-            unknowns: vec![],
-            objectives: vec![],
-            history: vec![],
-            fits: vec![],
-            is_virtual: self.is_virtual,
-        };
         let own = [best.as_ref().map(|best| simulated("best so far", best)), Some(simulated("current", current))];
-        let mut plot = target(&titled, current);
+        let mut plot = target(&self.title(), self.is_virtual, current);
         plot.curves.splice(..0, own.into_iter().flatten());
         plot
     }
@@ -191,19 +182,16 @@ impl Search {
     /// The error of every trial, and the least so far; none before the first has ended.
     fn errors(&self) -> Option<Plot> {
         let mut least = f64::INFINITY;
-        let falling: Vec<[f64; 2]> = self
-            .trials
-            .iter()
-            .map(|[number, f]| {
-                least = least.min(*f);
-                [*number, least]
-            })
-            .collect();
+        let falling = self.trials.iter().map(|[number, f]| {
+            least = least.min(*f);
+            [*number, least]
+        });
+        let falling = Curve::line("best so far", falling);
         let [_, _, ..] = &self.trials[..] else { return None };
         let is_positive = self.trials.iter().all(|[_, f]| *f > 0.0);
         let mut trials = Curve::line("trials", self.trials.iter().copied());
         trials.look = plot::Look::Points;
-        let curves = vec![Curve::line("best so far", falling), trials];
+        let curves = vec![falling, trials];
         let mut plot = Plot::new(format!("{}: error", self.title()), ["trial", "error"], curves);
         if is_positive {
             plot.y = Axis { scale: Scale::Logarithmic, ..plot.y };

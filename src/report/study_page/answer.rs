@@ -7,7 +7,7 @@ use crate::html::{self, Card, escape, kept_together};
 use crate::script_output;
 use crate::study_page::estimates::Estimate;
 use base::units::Unit;
-use base::written::{Reading, digits, figure};
+use base::written::{Reading, capital, digits, figure};
 use plot::{Plot, thinned};
 use study::script::{self, ConvergenceHistory, Row, ScriptOutput, figure_sentence};
 
@@ -59,13 +59,9 @@ pub(super) fn found(output: &ScriptOutput, estimates: &[Estimate]) -> Option<Str
     if let Some(answer) = &output.answer {
         return Some(answer.clone());
     }
-    let next = output.findings.iter().filter(|own| own.code == "measure-next").map(|own| {
-        let mut letters = own.message.chars();
-        letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
-    });
+    let next: Vec<_> = output.findings.iter().filter(|own| own.code == "measure-next").collect();
     // A script with several calibrations has as many: none of them is its answer.
-    let next: Vec<String> = next.collect();
-    let next = if next.len() == 1 { next } else { Vec::new() };
+    let next = if let [one] = next[..] { Some(format!("{}.", capital(&one.message))) } else { None };
     let answers = [met(&fits(output)), known(estimates)].into_iter().flatten();
     let sentences: Vec<String> = answers.chain(next).collect();
     (!sentences.is_empty()).then(|| sentences.join(" "))
