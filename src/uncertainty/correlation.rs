@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::{Error, normal};
+use crate::{Error, ensure, normal};
 
 /// Gaussian copula (Nataf 1962; Liu, Der Kiureghian 1986): the standard normal scores of the inputs are correlated,
 /// every input alone stays as it was.
@@ -40,25 +40,6 @@ impl Correlation {
         }
     }
 
-    /// From the correlations of some pairs of `inputs` inputs; all others are zero. A later pair replaces an earlier.
-    ///
-    /// # Errors
-    /// A pair is none of these inputs, or as [`Correlation::new`].
-    pub fn of_pairs(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, Error> {
-        let mut matrix: Vec<Vec<f64>> =
-            (0..inputs).map(|row| (0..inputs).map(|column| f64::from(u8::from(row == column))).collect()).collect();
-        for &(first, second, value) in pairs {
-            if first == second || first >= inputs || second >= inputs {
-                return Err(Error::new(format!(
-                    "the pair of inputs {first} and {second} is not one of {inputs} inputs"
-                )));
-            }
-            matrix[first][second] = value;
-            matrix[second][first] = value;
-        }
-        Self::new(&matrix)
-    }
-
     /// Number of inputs.
     pub fn inputs(&self) -> usize {
         self.factor.len()
@@ -80,31 +61,22 @@ impl Correlation {
 
 fn check(matrix: &[Vec<f64>]) -> Result<(), Error> {
     let rows = matrix.len();
-    if let Some(row) = matrix.iter().position(|row| row.len() != rows) {
-        return Err(Error::new(format!(
-            "row {row} has {length} entries, but the matrix has {rows} rows",
-            length = matrix[row].len()
-        )));
+    for (row, length) in matrix.iter().map(Vec::len).enumerate() {
+        ensure(length == rows, || format!("row {row} has {length} entries, but the matrix has {rows} rows"))?;
     }
     for first in 0..rows {
-        if matrix[first][first] != 1.0 {
-            return Err(Error::new(format!(
-                "the correlation of input {first} with itself is {value}, but must be 1",
-                value = matrix[first][first]
-            )));
-        }
+        let own = matrix[first][first];
+        ensure(own == 1.0, || format!("the correlation of input {first} with itself is {own}, but must be 1"))?;
         for second in first + 1..rows {
             let (upper, lower) = (matrix[first][second], matrix[second][first]);
-            if !(upper > -1.0 && upper < 1.0) {
-                return Err(Error::new(format!(
-                    "the correlation of inputs {first} and {second} is {upper}, but must be between -1 and 1"
-                )));
-            }
-            if upper != lower {
-                return Err(Error::new(format!(
+            ensure(upper > -1.0 && upper < 1.0, || {
+                format!("the correlation of inputs {first} and {second} is {upper}, but must be between -1 and 1")
+            })?;
+            ensure(upper == lower, || {
+                format!(
                     "the correlation of inputs {first} and {second} is {upper} in one place and {lower} in the other"
-                )));
-            }
+                )
+            })?;
         }
     }
     Ok(())
@@ -125,6 +97,17 @@ mod tests {
     /// Kendall's rank correlation of two inputs whose normal scores have the correlation `correlation`.
     fn kendall(correlation: f64) -> f64 {
         2.0 / PI * libm::asin(correlation)
+    }
+
+    /// The correlations of some pairs of inputs; all others are zero.
+    fn of_pairs(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Correlation, Error> {
+        let mut matrix: Vec<Vec<f64>> =
+            (0..inputs).map(|row| (0..inputs).map(|column| f64::from(u8::from(row == column))).collect()).collect();
+        for &(first, second, value) in pairs {
+            matrix[first][second] = value;
+            matrix[second][first] = value;
+        }
+        Correlation::new(&matrix)
     }
 
     fn sample(correlation: &Correlation, samples: usize) -> Vec<Vec<f64>> {
@@ -153,7 +136,7 @@ mod tests {
     #[test]
     fn rank_correlations_are_the_closed_forms_and_marginals_stay_uniform() {
         let wanted = [(0, 1, 0.8), (0, 2, -0.5), (1, 2, -0.3)];
-        let correlation = Correlation::of_pairs(3, &wanted).unwrap();
+        let correlation = of_pairs(3, &wanted).unwrap();
         let samples = 20_000;
         let points = sample(&correlation, samples);
         let column = |input: usize| points.iter().map(|point| point[input]).collect::<Vec<f64>>();
@@ -185,7 +168,7 @@ mod tests {
 
     #[test]
     fn uncorrelated_inputs_stay_as_they_are() {
-        let correlation = Correlation::of_pairs(2, &[]).unwrap();
+        let correlation = of_pairs(2, &[]).unwrap();
         for point in [[0.3, 0.9], [1e-12, 1.0 - 1e-12], [0.5, 1e-300]] {
             let same = correlation.apply(&point);
             assert!(point.iter().zip(&same).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{point:?} {same:?}");
@@ -201,7 +184,7 @@ mod tests {
 
     #[test]
     fn extreme_points_stay_within_the_open_cube() {
-        let correlation = Correlation::of_pairs(2, &[(0, 1, 0.999)]).unwrap();
+        let correlation = of_pairs(2, &[(0, 1, 0.999)]).unwrap();
         for point in [[1e-300, 1e-300], [1.0_f64.next_down(); 2]] {
             assert!(correlation.apply(&point).iter().all(|&u| u > 0.0 && u < 1.0));
         }
@@ -220,16 +203,12 @@ mod tests {
             Error::new("the correlation of inputs 0 and 1 is 1, but must be between -1 and 1")
         );
         assert_eq!(refused(&[vec![1.0, 0.0]]), Error::new("row 0 has 2 entries, but the matrix has 1 rows"));
-        let contradictory = Correlation::of_pairs(4, &[(0, 1, 0.9), (0, 2, 0.9), (1, 2, -0.9)]).unwrap_err();
+        let contradictory = of_pairs(4, &[(0, 1, 0.9), (0, 2, 0.9), (1, 2, -0.9)]).unwrap_err();
         assert_eq!(
             contradictory,
             Error::new(
                 "the correlations of input 2 contradict those among the inputs before it: not positive definite"
             )
-        );
-        assert_eq!(
-            Correlation::of_pairs(2, &[(0, 2, 0.1)]).unwrap_err(),
-            Error::new("the pair of inputs 0 and 2 is not one of 2 inputs")
         );
     }
 }

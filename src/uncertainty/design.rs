@@ -2,14 +2,11 @@
 
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Serialize};
-
-use crate::Error;
 use crate::random::{Stream, open_unit};
+use crate::{Error, ensure};
 
 /// How points are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Full factorial: every combination of the levels, the last factor fastest.
     Grid,
@@ -28,8 +25,7 @@ pub enum Method {
 }
 
 /// Values that a factor takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Levels {
     /// Any.
     Continuous,
@@ -59,21 +55,15 @@ pub const MOST_POINTS: usize = 1 << 24;
 /// # Errors
 /// See [`Error`].
 pub fn points(method: Method, factors: &[Levels], samples: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
-    if factors.is_empty() {
-        return Err(Error::new("a design needs at least one factor"));
-    }
-    if let Some(factor) = factors.iter().position(|levels| *levels == Levels::Count(0)) {
-        return Err(Error::new(format!("factor {factor} has no level")));
+    ensure(!factors.is_empty(), || "a design needs at least one factor")?;
+    for (factor, levels) in factors.iter().enumerate() {
+        ensure(*levels != Levels::Count(0), || format!("factor {factor} has no level"))?;
     }
     if method == Method::Grid {
         return grid(factors);
     }
-    if samples == 0 {
-        return Err(Error::new("a design needs at least one sample"));
-    }
-    if samples > MOST_POINTS {
-        return Err(Error::new(format!("the design has more than {MOST_POINTS} points")));
-    }
+    ensure(samples > 0, || "a design needs at least one sample")?;
+    check_count(samples)?;
     match method {
         Method::Sobol => sobol_points(factors.len(), samples, seed),
         Method::LatinHypercube => Ok(latin_points(factors.len(), samples, seed)),
@@ -81,17 +71,18 @@ pub fn points(method: Method, factors: &[Levels], samples: usize, seed: u64) -> 
     }
 }
 
+fn check_count(points: usize) -> Result<(), Error> {
+    ensure(points <= MOST_POINTS, || format!("the design has more than {MOST_POINTS} points"))
+}
+
 fn grid(factors: &[Levels]) -> Result<Vec<Vec<f64>>, Error> {
     let mut points = vec![Vec::new()];
     for (factor, levels) in factors.iter().enumerate() {
         let Levels::Count(count) = *levels else {
-            return Err(Error::new(format!(
-                "factor {factor} is continuous; a grid needs a number of levels of every factor"
-            )));
+            let message = format!("factor {factor} is continuous; a grid needs a number of levels of every factor");
+            return Err(Error::new(message));
         };
-        if points.len().checked_mul(count).is_none_or(|total| total > MOST_POINTS) {
-            return Err(Error::new(format!("the design has more than {MOST_POINTS} points")));
-        }
+        check_count(points.len().saturating_mul(count))?;
         let middles: Vec<f64> = (0..count).map(|level| (level as f64 + 0.5) / count as f64).collect();
         let extended = |point: &Vec<f64>, &middle: &f64| [point.as_slice(), &[middle]].concat();
         points = points.iter().flat_map(|point| middles.iter().map(|middle| extended(point, middle))).collect();
@@ -163,9 +154,9 @@ fn directions(row: &str) -> [u32; DIGITS] {
 
 /// The first `samples` points.
 fn sobol_points(factors: usize, samples: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
-    if factors > MOST_FACTORS {
-        return Err(Error::new(format!("{factors} factors are more than the {MOST_FACTORS} of the Sobol' sequence")));
-    }
+    ensure(factors <= MOST_FACTORS, || {
+        format!("{factors} factors are more than the {MOST_FACTORS} of the Sobol' sequence")
+    })?;
     // A key a factor, hashed: seeds and factors next to each other must not have related flips.
     let keys: Vec<u64> = (0..factors).map(|factor| mixed(mixed(seed) ^ factor as u64)).collect();
     // From index 0 on: scrambling moves its point off the corner, and the first 2^m points are a net only with it.

@@ -3,18 +3,18 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use crate::{Error, normal};
+use crate::{Error, ensure, normal};
 
 /// Least probability between the ends of a truncation: below it the tails have lost their digits.
 const LEAST_LEFT: f64 = 1e-280;
 
 /// Distribution of one input: a family, conditional on lying between two ends where it is truncated.
 ///
-/// Serialized as it is written (`family`, `low`, `high`), and checked when it is read.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
+/// It is deserialized as it is written (`family`, `low`, `high`), and checked.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Distribution {
     family: Family,
     low: Option<f64>,
@@ -25,13 +25,11 @@ pub struct Distribution {
     left: f64,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Written {
     #[serde(flatten)]
     family: Family,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     low: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     high: Option<f64>,
 }
 
@@ -40,12 +38,6 @@ impl TryFrom<Written> for Distribution {
 
     fn try_from(written: Written) -> Result<Self, Error> {
         Self::new(written.family)?.truncated(written.low, written.high)
-    }
-}
-
-impl From<Distribution> for Written {
-    fn from(distribution: Distribution) -> Self {
-        Self { family: distribution.family, low: distribution.low, high: distribution.high }
     }
 }
 
@@ -131,20 +123,16 @@ impl Distribution {
     /// # Errors
     /// The ends are not in order, or the probability between them is below 1e-280.
     pub fn truncated(self, low: Option<f64>, high: Option<f64>) -> Result<Self, Error> {
-        let ends = [("the lower end", low), ("the upper end", high)];
-        if let Some((what, Some(value))) = ends.into_iter().find(|(_, end)| end.is_some_and(|end| !end.is_finite())) {
-            return Err(Error::new(format!("{what} is {value}, but must be finite")));
-        }
+        low.map_or(Ok(()), |low| finite("the lower end", low))?;
+        high.map_or(Ok(()), |high| finite("the upper end", high))?;
         // Both tails are kept: 1 − p has no digits left for a far one.
         let at = |end: Option<f64>, open| end.map_or(open, |end| self.family.tails(end));
         let bottom = at(low, Tails { below: 0.0, above: 1.0 });
         let top = at(high, Tails { below: 1.0, above: 0.0 });
         let (low_end, high_end) = (low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY));
-        if low_end >= high_end {
-            return Err(Error::new(format!(
-                "the lower end {low_end} must be below the upper end {high_end}, at a finite distance"
-            )));
-        }
+        ensure(low_end < high_end, || {
+            format!("the lower end {low_end} must be below the upper end {high_end}, at a finite distance")
+        })?;
         let left = between(bottom, top);
         if left < LEAST_LEFT {
             return Err(Error::new(format!(
@@ -224,6 +212,10 @@ impl Distribution {
     }
 }
 
+fn finite(what: &str, value: f64) -> Result<(), Error> {
+    ensure(value.is_finite(), || format!("{what} is {value}, but must be finite"))
+}
+
 /// Probability between two values, by the tails in which it has most digits.
 fn between(bottom: Tails, top: Tails) -> f64 {
     let difference = if bottom.below <= bottom.above && top.above <= top.below {
@@ -237,7 +229,7 @@ fn between(bottom: Tails, top: Tails) -> f64 {
 }
 
 /// Family of a distribution and its parameters, in the unit of the quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
     /// Equal density from low to high.
@@ -281,23 +273,16 @@ struct Tails {
 
 impl Family {
     fn check(self) -> Result<Self, Error> {
-        let finite = |what, value: f64| match value.is_finite() {
-            true => Ok(()),
-            false => Err(Error::new(format!("{what} is {value}, but must be finite"))),
-        };
-        let positive = |what, value: f64| match value > 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(Error::new(format!("{what} is {value}, but must be positive and finite"))),
+        let positive = |what, value: f64| {
+            ensure(value > 0.0 && value.is_finite(), || format!("{what} is {value}, but must be positive and finite"))
         };
         match self {
             Self::Uniform { low, high } => {
                 finite("the lower end", low)?;
                 finite("the upper end", high)?;
-                if low >= high || !(high - low).is_finite() {
-                    return Err(Error::new(format!(
-                        "the lower end {low} must be below the upper end {high}, at a finite distance"
-                    )));
-                }
+                ensure(low < high && (high - low).is_finite(), || {
+                    format!("the lower end {low} must be below the upper end {high}, at a finite distance")
+                })?;
             }
             Self::Normal { mean, deviation } => {
                 finite("the mean", mean)?;
@@ -312,11 +297,9 @@ impl Family {
                 positive("the shape", shape)?;
             }
         }
-        let moments = [("the mean", self.mean()), ("the standard deviation", self.deviation())];
-        match moments.into_iter().find(|(_, value)| !value.is_finite()) {
-            Some((what, value)) => Err(Error::new(format!("{what} is {value}, but must be finite"))),
-            None => Ok(self),
-        }
+        finite("the mean", self.mean())?;
+        finite("the standard deviation", self.deviation())?;
+        Ok(self)
     }
 
     /// Mean and standard deviation of the logarithm of a log-normal quantity.
@@ -584,11 +567,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_read_is_checked_and_what_is_written_is_read_back() {
+    fn what_is_read_is_checked() {
         let truncated = Distribution::weibull(2.0, 3.0).unwrap().truncated(Some(0.5), None).unwrap();
-        let text = serde_json::to_string(&truncated).unwrap();
-        assert_eq!(text, r#"{"weibull":{"scale":2.0,"shape":3.0},"low":0.5}"#);
-        assert_eq!(serde_json::from_str::<Distribution>(&text).unwrap(), truncated);
+        let text = r#"{"weibull":{"scale":2.0,"shape":3.0},"low":0.5}"#;
+        assert_eq!(serde_json::from_str::<Distribution>(text).unwrap(), truncated);
         let bad = r#"{"normal":{"mean":1.0,"deviation":-1.0}}"#;
         let message = serde_json::from_str::<Distribution>(bad).unwrap_err().to_string();
         assert!(message.contains("the standard deviation is -1"), "{message}");

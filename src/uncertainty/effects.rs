@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::Error;
 use crate::random::Stream;
-use crate::statistics::{Bootstrap, Estimate, Interval, mean, normal_factor, present};
-use crate::surrogate::{Family, Options, Surrogate};
+use crate::statistics::{Bootstrap, Estimate, Interval, check_counts, mean, normal_factor, present};
+use crate::surrogate::{Family, Surrogate};
+use crate::{Error, ensure};
 
 /// First-order indices of all coordinates, none below zero or above one.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,13 +41,7 @@ pub fn main_effects(
     independent: bool,
     bootstrap: &Bootstrap,
 ) -> Result<MainEffects, Error> {
-    if points.len() != outputs.len() {
-        return Err(Error::new(format!(
-            "{points} points have {outputs} outputs",
-            points = points.len(),
-            outputs = outputs.len()
-        )));
-    }
+    check_counts(points, outputs)?;
     let (points, outputs): (Vec<&Vec<f64>>, Vec<f64>) =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point, present(*output)?))).unzip();
     let samples = outputs.len();
@@ -55,12 +49,8 @@ pub fn main_effects(
     if is_factorial(&points) && varies {
         return Ok(of_factorial(&points, &outputs));
     }
-    if samples < LEAST_SAMPLES {
-        return Err(Error::new(format!("{samples} samples are too few: at least {LEAST_SAMPLES} are needed")));
-    }
-    if !varies {
-        return Err(Error::new("the output is the same everywhere: it has no variance to share"));
-    }
+    ensure(samples >= LEAST_SAMPLES, || format!("{samples} samples are too few: at least {LEAST_SAMPLES} are needed"))?;
+    ensure(varies, || "the output is the same everywhere: it has no variance to share")?;
     if independent { of_chaos(&points, &outputs, bootstrap.confidence) } else { of_bins(&points, &outputs, bootstrap) }
 }
 
@@ -110,8 +100,7 @@ fn of_chaos(points: &[&Vec<f64>], outputs: &[f64], confidence: f64) -> Result<Ma
     let ranks: Vec<Vec<f64>> = (0..points[0].len()).map(|factor| ranks(&points, factor)).collect();
     let ranked: Vec<Vec<f64>> = (0..samples).map(|point| ranks.iter().map(|own| own[point]).collect()).collect();
     let highest_degree = if ranks.len() > MANY { 4 } else { 8 };
-    let options = Options { highest_degree, ..Options::default() };
-    let chaos = Surrogate::fit(&vec![Family::Legendre; ranks.len()], &ranked, &outputs, &options);
+    let chaos = Surrogate::fit(&vec![Family::Legendre; ranks.len()], &ranked, &outputs, highest_degree);
     let chaos = chaos?;
     let predicted = chaos.q2().clamp(0.0, 1.0);
     let first = chaos.first().unwrap_or_else(|| vec![0.0; ranks.len()]);
@@ -151,8 +140,7 @@ fn of_bins(points: &[&Vec<f64>], outputs: &[f64], bootstrap: &Bootstrap) -> Resu
         let ratio = |indices: &[usize]| correlation_ratio(indices, &bin, outputs, bins);
         let value = ratio(&(0..samples).collect::<Vec<_>>())
             .ok_or_else(|| Error::new("the output is the same everywhere: it has no variance to share"))?;
-        let [deviation] = bootstrap.deviations(samples, |indices| [ratio(indices)]);
-        let interval = deviation.map(|deviation| {
+        let interval = bootstrap.deviation(samples, ratio).map(|deviation| {
             let Interval { low, high } = Interval::normal(value, deviation, bootstrap.confidence);
             Interval { low: low.clamp(0.0, 1.0), high: high.clamp(0.0, 1.0) }
         });

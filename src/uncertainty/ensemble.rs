@@ -6,9 +6,9 @@
 //! steps of their own, and the others two: one in which they stay where they are, one in which they stay as many
 //! deviations from their mean (Yu, Meng 2011; docs/methods.md, section 28).
 
-use crate::Error;
 use crate::random::Stream;
 use crate::statistics::{mean, variance};
+use crate::{Error, ensure};
 
 /// Independent ensembles, which R̂ compares.
 const ENSEMBLES: usize = 4;
@@ -59,8 +59,6 @@ pub struct Scattered {
 /// How a density is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Walkers of each ensemble, at least twice the coordinates of a step and four; none for four times these and at least 32.
-    pub walkers: Option<usize>,
     /// Steps of each walker, of which the first half is discarded; doubled until R̂ and effective size suffice, each time with the
     /// first half of all discarded.
     pub steps: usize,
@@ -74,7 +72,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { walkers: None, steps: 500, most_steps: 16_000, effective: 1000.0, seed: 0 }
+        Self { steps: 500, most_steps: 16_000, effective: 1000.0, seed: 0 }
     }
 }
 
@@ -98,11 +96,6 @@ impl Samples {
     pub fn is_converged(&self) -> bool {
         self.r_hat.iter().all(|r_hat| *r_hat <= LARGEST_R_HAT)
     }
-
-    /// One coordinate of all points.
-    pub fn coordinate(&self, index: usize) -> Vec<f64> {
-        self.points.iter().map(|point| point[index]).collect()
-    }
 }
 
 /// Samples a density by four ensembles that start at successive draws of `start`. The samples follow from the options alone,
@@ -120,16 +113,9 @@ pub fn sample(
     let in_block = |place: &usize| blocks.iter().flatten().any(|own| own.place == *place);
     let others: Vec<usize> = (0..all).filter(|place| !in_block(place)).collect();
     let dimensions = blocks.iter().map(Vec::len).chain([others.len()]).max().unwrap_or(0);
-    if others.is_empty() {
-        return Err(Error::new("a density of no coordinates has no samples"));
-    }
-    let walkers = options.walkers.unwrap_or_else(|| (4 * dimensions).max(32));
-    if walkers < fewest(dimensions) {
-        return Err(Error::new(format!(
-            "{walkers} walkers for {dimensions} dimensions: at least {} are needed",
-            fewest(dimensions)
-        )));
-    }
+    ensure(!others.is_empty(), || "a density of no coordinates has no samples")?;
+    // Steps along differences of fewer than twice the coordinates would stay in a subspace.
+    let walkers = (4 * dimensions).max(32);
     let starts = starts(density, &mut start, ENSEMBLES * walkers)?;
     let mut streams = Stream::new(options.seed);
     let ensemble = |walkers: &[Walker]| Ensemble { walkers: walkers.to_vec(), stream: Stream::new(streams.bits()) };
@@ -150,22 +136,15 @@ pub fn sample(
     }
 }
 
-/// Fewest walkers of an ensemble: steps along differences of fewer would stay in a subspace.
-fn fewest(dimensions: usize) -> usize {
-    (2 * dimensions).max(4)
-}
-
 /// So many starts with a density above zero.
 fn starts(density: &impl Density, start: &mut impl FnMut() -> Vec<f64>, needed: usize) -> Result<Vec<Walker>, Error> {
     /// Draws for one start that is needed.
     const DRAWS: usize = 100;
     let drawn = (0..DRAWS * needed).filter_map(|_| Walker::at(density, start()));
     let found: Vec<Walker> = drawn.take(needed).collect();
-    if found.len() < needed {
-        Err(Error::new(format!("{found} of {needed} starts of walkers have a density above zero", found = found.len())))
-    } else {
-        Ok(found)
-    }
+    let count = found.len();
+    ensure(count == needed, || format!("{count} of {needed} starts of walkers have a density above zero"))?;
+    Ok(found)
 }
 
 /// Where a walker is, and the logarithms of the factors of the density there: that of no block, and of each block.
@@ -374,6 +353,11 @@ mod tests {
     use crate::random::Stream;
     use crate::statistics::{deviation, quantiles};
 
+    /// One coordinate of all points.
+    fn coordinate(samples: &Samples, index: usize) -> Vec<f64> {
+        samples.points.iter().map(|point| point[index]).collect()
+    }
+
     fn about(centre: &[f64], spread: f64) -> impl FnMut() -> Vec<f64> {
         let (centre, mut stream) = (centre.to_vec(), Stream::new(1));
         move || centre.iter().map(|x| x + spread * stream.normal()).collect()
@@ -393,7 +377,7 @@ mod tests {
         let found = found.unwrap();
         assert!(found.is_converged() && found.effective.iter().all(|size| *size > 4000.0), "{:?}", found.r_hat);
         for (index, expected) in deviations.iter().enumerate() {
-            let own = found.coordinate(index);
+            let own = coordinate(&found, index);
             let [ratio, shift] =
                 [deviation(&own).unwrap() / expected, (mean(&own).unwrap() - [0.0, 5.0, 0.0][index]) / expected];
             // Four standard errors of 4000 independent samples.
@@ -415,7 +399,7 @@ mod tests {
         let options = Options { effective: 3000.0, most_steps: 64_000, ..Options::default() };
         let found = sample(&density, about(&[1.0, 1.0], 0.3), &options).unwrap();
         assert!(found.is_converged(), "{:?} {:?}", found.r_hat, found.effective);
-        let (x, y) = (found.coordinate(0), found.coordinate(1));
+        let (x, y) = (coordinate(&found, 0), coordinate(&found, 1));
         assert!((mean(&x).unwrap() - a).abs() < 0.1 && (deviation(&x).unwrap() - 1.0).abs() < 0.07);
         let (expected, spread) = (a * a + 1.0, (4.0 * a * a + 2.0 + 1.0 / b).sqrt());
         assert!((mean(&y).unwrap() - expected).abs() < 5.0 * spread / 3000_f64.sqrt(), "{:?}", mean(&y));
@@ -432,7 +416,7 @@ mod tests {
         assert!(found.is_converged(), "{:?}", found.r_hat);
         let right = found.points.iter().filter(|x| x[0] > 0.0).count() as f64 / found.points.len() as f64;
         assert!((right - 0.75).abs() < 0.05, "{right}");
-        let ends = quantiles(&found.coordinate(0), &[0.025, 0.975]).unwrap();
+        let ends = quantiles(&coordinate(&found, 0), &[0.025, 0.975]).unwrap();
         assert!((ends[0] + 4.28).abs() < 0.3 && (ends[1] - 4.83).abs() < 0.3, "{ends:?}");
     }
 
@@ -468,9 +452,6 @@ mod tests {
         let nowhere = sample(&density, about(&[0.0], 1.0), &Options::default()).unwrap_err();
         assert_eq!(nowhere, Error::new("0 of 128 starts of walkers have a density above zero"));
         let flat = |_: &[f64]| 0.0;
-        let few = Options { walkers: Some(3), ..Options::default() };
-        let error = sample(&flat, about(&[0.0, 0.0], 1.0), &few).unwrap_err();
-        assert_eq!(error, Error::new(format!("3 walkers for 2 dimensions: at least {} are needed", fewest(2))));
         assert_eq!(
             sample(&flat, Vec::new, &Options::default()).unwrap_err(),
             Error::new("a density of no coordinates has no samples")
@@ -518,7 +499,7 @@ mod tests {
             };
             let found = sample(&density, start, &options).unwrap();
             assert!(!found.is_converged(), "{:?} {:?}", found.r_hat, found.effective);
-            found.effective[0] * (mean(&found.coordinate(0)).unwrap() - a).powi(2)
+            found.effective[0] * (mean(&coordinate(&found, 0)).unwrap() - a).powi(2)
         });
         let off = (squares.sum::<f64>() / WALKS as f64).sqrt();
         println!("means of {WALKS} short walks are off by {off} of what their effective sizes say");
@@ -596,7 +577,7 @@ mod tests {
             };
             let found = sample(&target, start, &Options { effective: 4000.0, seed: 5, ..Options::default() }).unwrap();
             assert!(found.is_converged(), "{:?}", found.r_hat);
-            let deviations: Vec<f64> = found.coordinate(1).iter().map(|x| x.exp()).collect();
+            let deviations: Vec<f64> = coordinate(&found, 1).iter().map(|x| x.exp()).collect();
             let at = [0.025, 0.25, 0.5, 0.975];
             let (own, exact) = (quantiles(&deviations, &at).unwrap(), target.quantiles(&at));
             println!("{count} specimens, scatter {scatter}: {own:.4?} for {exact:.4?}, {} steps", found.steps);

@@ -88,3 +88,8 @@ mod functions {
         (own.iter().map(|v| v / variance).collect(), own.iter().map(|v| v * all / (1.0 + v) / variance).collect())
     }
 }
+
+/// Refuses input for which something does not hold, in the words of `message`.
+pub(crate) fn ensure<M: Into<String>>(holds: bool, message: impl FnOnce() -> M) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::new(message())) }
+}

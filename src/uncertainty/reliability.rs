@@ -6,7 +6,7 @@
 
 use crate::random::Stream;
 use crate::statistics::{self, Interval, wilson};
-use crate::{Error, Kind};
+use crate::{Error, Kind, ensure};
 
 /// Limit state: one output for every point of a batch in standard normal space, none for a run that failed to give one;
 /// a value that is no number counts as missing. Below zero is failure; zero itself is not, so that a figure equal to its limit is
@@ -28,24 +28,25 @@ pub struct Probability {
     pub missing: usize,
 }
 
-/// Sampling of a given size.
+/// How much is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SamplingOptions {
-    /// Number of points.
+pub struct Sampling {
+    /// Number of points; of subset simulation those of a level, a multiple of ten.
     pub samples: usize,
-    /// Most points that are given to the limit state at once.
-    pub batch: usize,
     /// Probability with which the interval should contain the probability of failure, within (0, 1).
     pub confidence: f64,
     /// Seed, which decides the points.
     pub seed: u64,
 }
 
-impl Default for SamplingOptions {
+impl Default for Sampling {
     fn default() -> Self {
-        Self { samples: 1000, batch: 1024, confidence: 0.95, seed: 0 }
+        Self { samples: 1000, confidence: 0.95, seed: 0 }
     }
 }
+
+/// Most points that are given to the limit state at once.
+const BATCH: usize = 1024;
 
 /// A limit state whose evaluations are counted.
 struct Counted<'a, 'b> {
@@ -61,13 +62,8 @@ impl<'a, 'b> Counted<'a, 'b> {
 
     fn evaluate(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<f64>>, Error> {
         let outputs = (self.limit_state)(points);
-        if outputs.len() != points.len() {
-            return Err(Error::new(format!(
-                "the limit state gave {outputs} outputs for {points} points",
-                outputs = outputs.len(),
-                points = points.len()
-            )));
-        }
+        let (found, wanted) = (outputs.len(), points.len());
+        ensure(found == wanted, || format!("the limit state gave {found} outputs for {wanted} points"))?;
         let outputs: Vec<Option<f64>> = outputs.into_iter().map(|g| g.filter(|g| !g.is_nan())).collect();
         self.evaluations += outputs.len();
         self.missing += outputs.iter().filter(|g| g.is_none()).count();
@@ -87,29 +83,19 @@ fn normal_point(stream: &mut Stream, inputs: usize) -> Vec<f64> {
 ///
 /// # Errors
 /// See [`Error`].
-pub fn monte_carlo(
-    inputs: usize,
-    options: &SamplingOptions,
-    limit_state: &mut LimitState,
-) -> Result<Probability, Error> {
-    if inputs == 0 {
-        return Err(Error::new("a limit state needs at least one input"));
-    }
-    if options.samples == 0 {
-        return Err(Error::new("at least one sample is needed"));
-    }
+pub fn monte_carlo(inputs: usize, options: &Sampling, limit_state: &mut LimitState) -> Result<Probability, Error> {
+    ensure(inputs > 0, || "a limit state needs at least one input")?;
+    ensure(options.samples > 0, || "at least one sample is needed")?;
     let mut stream = Stream::new(options.seed);
     let mut counted = Counted::new(limit_state);
     let mut failures = 0;
     while counted.evaluations < options.samples {
-        let batch = (options.samples - counted.evaluations).min(options.batch.max(1));
+        let batch = (options.samples - counted.evaluations).min(BATCH);
         let points: Vec<Vec<f64>> = (0..batch).map(|_| normal_point(&mut stream, inputs)).collect();
         failures += counted.evaluate(&points)?.into_iter().flatten().filter(|g| *g < 0.0).count() as u64;
     }
     let Counted { evaluations, missing, .. } = counted;
-    if missing == evaluations {
-        return Err(Error::new(format!("all {evaluations} outputs are missing")));
-    }
+    ensure(missing < evaluations, || format!("all {evaluations} outputs are missing"))?;
     let valid = (evaluations - missing) as u64;
     let value = failures as f64 / valid as f64;
     Ok(Probability {
@@ -132,26 +118,11 @@ fn log_normal(value: f64, variation: f64, confidence: f64) -> Interval {
 /// Length of a chain: the inverse of the conditional probability p₀ = 0.1 of every level.
 const CHAIN: usize = 10;
 
-/// How failure is approached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SubsetOptions {
-    /// Samples of a level, a multiple of ten.
-    pub samples: usize,
-    /// Most levels, of a tenth of the probability each.
-    pub levels: usize,
-    /// Half the width of the uniform proposal, in standard deviations.
-    pub reach: f64,
-    /// Probability with which the interval should contain the probability of failure, within (0, 1).
-    pub confidence: f64,
-    /// Seed, which decides the points.
-    pub seed: u64,
-}
+/// Most levels, of a tenth of the probability each.
+const MOST_LEVELS: usize = 12;
 
-impl Default for SubsetOptions {
-    fn default() -> Self {
-        Self { samples: 1000, levels: 12, reach: 1.0, confidence: 0.95, seed: 0 }
-    }
-}
+/// Half the width of the uniform proposal, in standard deviations.
+const REACH: f64 = 1.0;
 
 /// Probability of failure by subset simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,8 +135,6 @@ pub struct SubsetResult {
     /// Whether failure was reached; if not, the interval of the probability goes from 0 to the upper end of that of the last level,
     /// within which failure lies.
     pub reached: bool,
-    /// Share of the proposed points that each level after the first accepted.
-    pub acceptance: Vec<f64>,
 }
 
 /// Samples of one level: chain by chain next to each other, place after place.
@@ -185,27 +154,33 @@ struct Level {
 /// See [`Error`].
 pub fn subset_simulation(
     inputs: usize,
-    options: &SubsetOptions,
+    options: &Sampling,
     limit_state: &mut LimitState,
 ) -> Result<SubsetResult, Error> {
-    if inputs == 0 {
-        return Err(Error::new("a limit state needs at least one input"));
-    }
+    within_levels(inputs, options, MOST_LEVELS, limit_state)
+}
+
+/// Subset simulation of at most so many levels.
+fn within_levels(
+    inputs: usize,
+    options: &Sampling,
+    levels: usize,
+    limit_state: &mut LimitState,
+) -> Result<SubsetResult, Error> {
+    ensure(inputs > 0, || "a limit state needs at least one input")?;
     // A tenth of the samples start the chains, and these must fill the next level exactly.
-    if options.samples == 0 || !options.samples.is_multiple_of(CHAIN) {
-        return Err(Error::new(format!(
-            "the samples of a level must be a positive multiple of {CHAIN}, found {samples}",
-            samples = options.samples
-        )));
-    }
+    let samples = options.samples;
+    ensure(samples > 0 && samples.is_multiple_of(CHAIN), || {
+        format!("the samples of a level must be a positive multiple of {CHAIN}, found {samples}")
+    })?;
     let mut stream = Stream::new(options.seed);
     let mut counted = Counted::new(limit_state);
     let mut level = first_level(&mut counted, &mut stream, inputs, options.samples)?;
     let (mut value, mut log_deviation) = (1.0, 0.0);
-    let (mut thresholds, mut acceptance) = (Vec::new(), Vec::new());
+    let mut thresholds = Vec::new();
     let (mut number, mut reached) = (0, false);
     while !reached {
-        let is_last = number + 1 >= options.levels;
+        let is_last = number + 1 >= levels;
         // Nothing tells these samples apart, so the next level would be this one again.
         let leads_on = |threshold: &f64| level.outputs.iter().any(|g| g > threshold);
         // Fewer than a tenth that fail are counted only where no level follows.
@@ -226,9 +201,7 @@ pub fn subset_simulation(
         thresholds.push(threshold.unwrap_or(0.0));
         reached = threshold.is_none();
         let Some(threshold) = threshold.filter(|_| !is_last) else { break };
-        let accepted;
-        (level, accepted) = level.conditional(threshold, options.reach, &mut counted, &mut stream)?;
-        acceptance.push(accepted);
+        level = level.conditional(threshold, &mut counted, &mut stream)?;
         number += 1;
     }
     let variation = libm::expm1(log_deviation * log_deviation).sqrt();
@@ -245,16 +218,14 @@ pub fn subset_simulation(
         evaluations: counted.evaluations,
         missing: counted.missing,
     };
-    Ok(SubsetResult { probability, thresholds, reached, acceptance })
+    Ok(SubsetResult { probability, thresholds, reached })
 }
 
 fn first_level(counted: &mut Counted, stream: &mut Stream, inputs: usize, samples: usize) -> Result<Level, Error> {
     let points: Vec<Vec<f64>> = (0..samples).map(|_| normal_point(stream, inputs)).collect();
     // Infinity: not failed, and the last of all to start a chain.
     let outputs: Vec<f64> = counted.evaluate(&points)?.into_iter().map(|g| g.unwrap_or(f64::INFINITY)).collect();
-    if counted.missing == samples {
-        return Err(Error::new(format!("all {evaluations} outputs are missing", evaluations = counted.evaluations)));
-    }
+    ensure(counted.missing < samples, || format!("all {} outputs are missing", counted.evaluations))?;
     Ok(Level { points, outputs })
 }
 
@@ -302,21 +273,14 @@ impl Level {
     }
 
     /// Samples given that the output is at most `threshold`, from chains that start at the samples of the lowest
-    /// outputs; and the share of steps that moved.
-    fn conditional(
-        &self,
-        threshold: f64,
-        reach: f64,
-        counted: &mut Counted,
-        stream: &mut Stream,
-    ) -> Result<(Self, f64), Error> {
+    /// outputs.
+    fn conditional(&self, threshold: f64, counted: &mut Counted, stream: &mut Stream) -> Result<Self, Error> {
         let chains = self.chains();
         let mut order: Vec<usize> = (0..self.outputs.len()).collect();
         // Stable: of equal outputs the earlier sample, the same in every run.
         order.sort_by(|&a, &b| self.outputs[a].total_cmp(&self.outputs[b]));
         let mut points: Vec<Vec<f64>> = order[..chains].iter().map(|&seed| self.points[seed].clone()).collect();
         let mut outputs: Vec<f64> = order[..chains].iter().map(|&seed| self.outputs[seed]).collect();
-        let mut accepted = 0;
         // All chains go a place on together: one batch a place, where chain after chain would be one run at a time.
         for place in 1..CHAIN {
             let before = (place - 1) * chains..place * chains;
@@ -324,27 +288,26 @@ impl Level {
             points.extend_from_within(before.clone());
             outputs.extend_from_within(before.clone());
             // Where no component moved the output is known, and a run is saved.
-            let candidates = before.filter_map(|at| Some((at + chains, proposed(&points[at], reach, stream)?)));
+            let candidates = before.filter_map(|at| Some((at + chains, proposed(&points[at], stream)?)));
             let (places, candidates): (Vec<usize>, Vec<Vec<f64>>) = candidates.unzip();
             let found = counted.evaluate(&candidates)?;
             for ((at, candidate), output) in places.into_iter().zip(candidates).zip(found) {
                 if let Some(output) = output.filter(|&g| g <= threshold) {
                     points[at] = candidate;
                     outputs[at] = output;
-                    accepted += 1;
                 }
             }
         }
-        Ok((Self { points, outputs }, accepted as f64 / (chains * (CHAIN - 1)) as f64))
+        Ok(Self { points, outputs })
     }
 }
 
 /// Candidate of the component-wise Metropolis algorithm for the standard normal distribution; none where no component
 /// moves.
-fn proposed(point: &[f64], reach: f64, stream: &mut Stream) -> Option<Vec<f64>> {
+fn proposed(point: &[f64], stream: &mut Stream) -> Option<Vec<f64>> {
     let moved = |&u: &f64| {
         // Component by component: in many dimensions, a whole point would hardly ever be accepted (Au and Beck 2001).
-        let candidate = u + reach * (2.0 * stream.uniform() - 1.0);
+        let candidate = u + REACH * (2.0 * stream.uniform() - 1.0);
         let ratio = libm::exp(0.5 * (u * u - candidate * candidate));
         if stream.uniform() < ratio { candidate } else { u }
     };
@@ -404,7 +367,7 @@ mod tests {
 
     #[test]
     fn failure_that_is_the_rule_takes_one_level() {
-        let often = subset_simulation(10, &SubsetOptions::default(), &mut linear(-1.5)).unwrap();
+        let often = subset_simulation(10, &Sampling::default(), &mut linear(-1.5)).unwrap();
         assert!((often.probability.value - normal::cumulative(1.5)).abs() < 0.04 && often.thresholds == [0.0]);
     }
 
@@ -440,7 +403,7 @@ mod tests {
             ("four branches at 5, k = 10", 2, branches_at_exact([5.0, 10.0]), branches([5.0, 10.0])),
         ];
         for (name, inputs, exact, mut limit) in limits {
-            let options = |seed| SubsetOptions { samples: 500, seed, ..SubsetOptions::default() };
+            let options = |seed| Sampling { samples: 500, seed, ..Sampling::default() };
             let results: Vec<Probability> = (0..studies as u64)
                 .map(|seed| subset_simulation(inputs, &options(seed), &mut *limit).unwrap().probability)
                 .collect();
@@ -460,7 +423,7 @@ mod tests {
     #[test]
     fn monte_carlo_covers_as_often_as_it_says() {
         let studies = 300;
-        let options = |samples: usize, seed: u64| SamplingOptions { samples, seed, ..SamplingOptions::default() };
+        let options = |samples: usize, seed: u64| Sampling { samples, seed, ..Sampling::default() };
         let crude = |samples: usize, exact: f64| -> Study<'_> {
             let index = -normal::quantile(exact);
             Box::new(move |seed| monte_carlo(10, &options(samples, seed), &mut linear(index)).unwrap())
@@ -484,7 +447,7 @@ mod tests {
 
     #[test]
     fn no_failure_is_bounded_from_above() {
-        let none = monte_carlo(1, &SamplingOptions::default(), &mut linear(9.0)).unwrap();
+        let none = monte_carlo(1, &Sampling::default(), &mut linear(9.0)).unwrap();
         let interval = none.interval;
         assert_eq!((none.value, none.variation, interval.low), (0.0, None, 0.0));
         assert!(interval.high > 3e-3 && interval.high < 4e-3, "{interval:?}");
@@ -503,7 +466,7 @@ mod tests {
         let (exact, studies) = (normal::cumulative(-2.0), 300);
         let found: Vec<Probability> = (0..studies)
             .map(|seed| {
-                let options = SamplingOptions { samples: 1400, seed, ..SamplingOptions::default() };
+                let options = Sampling { samples: 1400, seed, ..Sampling::default() };
                 monte_carlo(3, &options, &mut flawed).unwrap()
             })
             .collect();
@@ -511,26 +474,23 @@ mod tests {
         let covered = found.iter().filter(|found| found.interval.contains(exact)).count() as u64;
         println!("with a seventh of the outputs missing, covered {covered} of {studies}");
         assert!(wilson(covered, studies, 0.999).contains(0.95), "{covered}");
-        let subset = subset_simulation(3, &SubsetOptions::default(), &mut flawed).unwrap();
+        let subset = subset_simulation(3, &Sampling::default(), &mut flawed).unwrap();
         assert!(subset.probability.missing > 200, "{subset:?}");
     }
 
     #[test]
-    fn the_seed_decides_and_a_batch_does_not() {
-        let found = |batch, seed| {
-            let options = SamplingOptions { batch, seed, ..SamplingOptions::default() };
-            monte_carlo(4, &options, &mut linear(1.0)).unwrap()
-        };
-        assert_eq!(found(7, 3), found(1000, 3));
-        assert_ne!(found(7, 3), found(7, 4));
-        let subset = |seed| subset_simulation(4, &SubsetOptions { seed, ..SubsetOptions::default() }, &mut linear(3.0));
+    fn the_seed_decides() {
+        let found = |seed| monte_carlo(4, &Sampling { seed, ..Sampling::default() }, &mut linear(1.0)).unwrap();
+        assert_eq!(found(3), found(3));
+        assert_ne!(found(3), found(4));
+        let subset = |seed| subset_simulation(4, &Sampling { seed, ..Sampling::default() }, &mut linear(3.0));
         assert_eq!(subset(1), subset(1));
         assert_ne!(subset(1), subset(2));
     }
 
     #[test]
     fn what_has_no_probability_is_refused() {
-        let options = SamplingOptions::default();
+        let options = Sampling::default();
         let mut short = |_: &[Vec<f64>]| vec![Some(1.0)];
         assert_eq!(
             monte_carlo(1, &options, &mut short).unwrap_err(),
@@ -539,13 +499,13 @@ mod tests {
         let mut missing = |points: &[Vec<f64>]| vec![None; points.len()];
         assert_eq!(monte_carlo(1, &options, &mut missing).unwrap_err(), Error::new("all 1000 outputs are missing"));
         let mut flat = batched(|_| 1.0);
-        let subset = SubsetOptions::default();
+        let subset = Sampling::default();
         assert_eq!(
             subset_simulation(2, &subset, &mut flat).unwrap_err(),
             Error::new("all samples of level 0 have the output 1: nothing leads on to failure")
                 .of_kind(Kind::NoProgress)
         );
-        let uneven = SubsetOptions { samples: 105, ..subset };
+        let uneven = Sampling { samples: 105, ..subset };
         assert_eq!(
             subset_simulation(2, &uneven, &mut flat).unwrap_err(),
             Error::new("the samples of a level must be a positive multiple of 10, found 105")
@@ -555,9 +515,9 @@ mod tests {
     #[test]
     fn an_output_equal_to_zero_does_not_fail() {
         let mut zero = batched(|_| 0.0);
-        let options = SamplingOptions { samples: 20, ..SamplingOptions::default() };
+        let options = Sampling { samples: 20, ..Sampling::default() };
         assert_eq!(monte_carlo(1, &options, &mut zero).unwrap().value, 0.0);
-        let subset = SubsetOptions { samples: 20, ..SubsetOptions::default() };
+        let subset = Sampling { samples: 20, ..Sampling::default() };
         assert_eq!(
             subset_simulation(1, &subset, &mut zero).unwrap_err(),
             Error::new("all samples of level 0 have the output 0: nothing leads on to failure")
@@ -565,17 +525,17 @@ mod tests {
         );
         // Half of the samples at zero and one in 44 beyond: zero is a level on the way, in which what fails is counted.
         let mut step = batched(|u| if u[0] > 2.0 { -1.0 } else { f64::from(u8::from(u[0] < 0.0)) });
-        let found = subset_simulation(1, &SubsetOptions::default(), &mut step).unwrap();
+        let found = subset_simulation(1, &Sampling::default(), &mut step).unwrap();
         assert!(found.reached && found.thresholds == [0.0, 0.0], "{found:?}");
         assert!(found.probability.interval.contains(normal::cumulative(-2.0)), "{found:?}");
     }
 
     #[test]
     fn one_level_of_subset_simulation_has_the_interval_of_its_count() {
-        let options = SubsetOptions { samples: 20, ..SubsetOptions::default() };
+        let options = Sampling { samples: 20, ..Sampling::default() };
         for index in [-9.0, 0.0] {
             let subset = subset_simulation(1, &options, &mut linear(index)).unwrap();
-            let crude = SamplingOptions { samples: 20, ..SamplingOptions::default() };
+            let crude = Sampling { samples: 20, ..Sampling::default() };
             let crude = monte_carlo(1, &crude, &mut linear(index)).unwrap();
             assert!(subset.reached && subset.thresholds == [0.0]);
             assert_eq!((subset.probability.value, subset.probability.interval), (crude.value, crude.interval));
@@ -585,15 +545,14 @@ mod tests {
     /// Failure beyond the last level is bounded by the probability of that level; of fewer than a tenth that fail there, the share counts.
     #[test]
     fn failure_that_no_level_reached_is_bounded() {
-        let shallow = |levels| SubsetOptions { levels, ..SubsetOptions::default() };
-        let rare = subset_simulation(2, &shallow(2), &mut linear(6.0)).unwrap();
+        let rare = within_levels(2, &Sampling::default(), 2, &mut linear(6.0)).unwrap();
         let (found, interval) = (&rare.probability, rare.probability.interval);
         assert!(!rare.reached && rare.thresholds.len() == 2 && rare.thresholds[1] > 0.0);
         assert_eq!((found.value, found.variation, interval.low, found.evaluations <= 1900), (0.0, None, 0.0, true));
         assert!(interval.high > 0.01 && interval.high < 0.02, "{interval:?}");
         let exact = 3e-3;
-        let few = subset_simulation(2, &shallow(2), &mut linear(-normal::quantile(exact))).unwrap();
-        let full = subset_simulation(2, &SubsetOptions::default(), &mut linear(-normal::quantile(exact))).unwrap();
+        let few = within_levels(2, &Sampling::default(), 2, &mut linear(-normal::quantile(exact))).unwrap();
+        let full = subset_simulation(2, &Sampling::default(), &mut linear(-normal::quantile(exact))).unwrap();
         assert!(few.reached && few.probability.interval.contains(exact), "{few:?}");
         assert!(full.thresholds.len() == 3 && few.thresholds.len() == 2);
     }

@@ -2,7 +2,7 @@
 //! reduction, and the fit of a normal distribution to counts at any levels.
 
 use crate::statistics::{Estimate, Interval, normal_factor};
-use crate::{Error, Kind, normal};
+use crate::{Error, Kind, ensure, normal};
 
 /// Outcome of the test of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,9 +32,6 @@ pub struct Staircase {
     step: f64,
 }
 
-/// Times that the less frequent outcome must occur before a test after ISO 7765-1 or ASTM D1709 is complete.
-pub const STANDARD_COUNT: usize = 10;
-
 impl Staircase {
     /// A staircase from a first level, by equal steps, both in the unit of the level (a mass, a height).
     ///
@@ -43,12 +40,8 @@ impl Staircase {
     /// # Errors
     /// The step is not positive, or one of them not finite.
     pub fn new(start: f64, step: f64) -> Result<Self, Error> {
-        if !start.is_finite() {
-            return Err(Error::new(format!("the first level is {start}, but must be finite")));
-        }
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(Error::new(format!("the step is {step}, but must be positive and finite")));
-        }
+        ensure(start.is_finite(), || format!("the first level is {start}, but must be finite"))?;
+        ensure(step > 0.0 && step.is_finite(), || format!("the step is {step}, but must be positive and finite"))?;
         Ok(Self { start, step })
     }
 
@@ -85,13 +78,6 @@ impl Staircase {
         }
     }
 
-    /// Whether either outcome has occurred `count` times. With [`STANDARD_COUNT`] these are the twenty specimens of ISO
-    /// 7765-1 and ASTM D1709, and as many more as it takes until ten failed and ten did not.
-    pub fn is_complete(outcomes: &[Outcome], count: usize) -> bool {
-        let failed = outcomes.iter().filter(|outcome| **outcome == Outcome::Failed).count();
-        failed.min(outcomes.len() - failed) >= count
-    }
-
     /// Failures and trials at every level that was tested, the lowest first.
     pub fn counts(&self, outcomes: &[Outcome]) -> Vec<Counts> {
         let places = self.places(outcomes);
@@ -113,18 +99,11 @@ impl Staircase {
 pub struct Reduction {
     /// Level at which half of the specimens fail, in the unit of the level: the impact failure mass of a dart test.
     pub mean: f64,
-    /// Standard deviation of the specimens' strength; none where [`Reduction::variance_ratio`] is not above 0.3, below
-    /// which the formula does not hold: the step is too large for it.
+    /// Standard deviation of the specimens' strength; none where the variance of the counted levels over the square of the
+    /// step, (N B − A²)/N², is not above 0.3, below which the formula does not hold: the step is too large for it.
     pub deviation: Option<f64>,
-    /// (N B − A²)/N²: variance of the counted levels over the square of the step.
-    pub variance_ratio: f64,
-    /// The outcome that was counted: the less frequent one, failures where both are as frequent.
-    pub counted: Outcome,
-    /// N: how often it occurred.
-    pub count: usize,
-    /// Standard error of the mean, by the expected information at mean and deviation; none without a deviation.
-    pub standard_error: Option<f64>,
-    /// Confidence interval of the mean, symmetric and normal; none without a deviation.
+    /// Confidence interval of the mean, symmetric and normal, by the expected information at mean and deviation; none without a
+    /// deviation.
     pub interval: Option<Interval>,
 }
 
@@ -136,7 +115,7 @@ impl Staircase {
     /// A²)/N² + 0.029), with A = Σ i nᵢ and B = Σ i² nᵢ over the N specimens of the less frequent outcome, i steps d
     /// above their lowest level x₀; − for failures, as in ISO 7765-1 and ASTM D1709, + for survivors.
     ///
-    /// The standard error takes the deviation for known exactly. Of twenty specimens, the interval of 95 % so contains
+    /// The interval takes the deviation for known exactly. Of twenty specimens, that of 95 % so contains
     /// the mean in about nine of ten tests; [`probit`] gives one that allows for it.
     ///
     /// # Errors
@@ -164,13 +143,12 @@ impl Staircase {
         let mean = self.level_at(lowest) + self.step * (a / n + half);
         let variance_ratio = (n * b - a * a) / (n * n);
         let deviation = (variance_ratio > LEAST_RATIO).then_some(1.62 * self.step * (variance_ratio + 0.029));
-        let standard_error = deviation.map(|deviation| {
+        let interval = deviation.map(|deviation| {
             let [mm, md, dd] = information(&self.counts(outcomes), mean, deviation);
             // Entry of the inverse information matrix, with what the mean shares with the deviation.
-            (dd / (mm * dd - md * md)).sqrt()
+            Interval::normal(mean, (dd / (mm * dd - md * md)).sqrt(), confidence)
         });
-        let interval = standard_error.map(|error| Interval::normal(mean, error, confidence));
-        Ok(Reduction { mean, deviation, variance_ratio, counted, count: of_counted.len(), standard_error, interval })
+        Ok(Reduction { mean, deviation, interval })
     }
 }
 
@@ -183,8 +161,6 @@ pub struct ProbitFit {
     /// Standard deviation of the strength, and its interval likewise. The estimate is low on average from few
     /// specimens.
     pub deviation: Estimate,
-    /// Logarithm of the likelihood at its maximum.
-    pub log_likelihood: f64,
 }
 
 impl ProbitFit {
@@ -217,12 +193,9 @@ pub fn probit(counts: &[Counts], confidence: f64) -> Result<ProbitFit, Error> {
     let likelihood = Likelihood::new(counts, centre, scale);
     let (a, b) = likelihood.maximum();
     // `check` sees levels only; failures may still become rarer on the whole.
-    if b <= 0.0 {
-        return Err(Error::new("failures do not become more frequent with the level").of_kind(Kind::NoFit));
-    }
+    ensure_fit(b > 0.0, || NOT_RISING)?;
     let (mean, deviation) = (-a / b, 1.0 / b);
-    let log_likelihood = likelihood.log(a, b);
-    let least = log_likelihood - 0.5 * normal_factor(confidence).powi(2);
+    let least = likelihood.log(a, b) - 0.5 * normal_factor(confidence).powi(2);
     // Signed distances from the maximum, the deviation's in its logarithm.
     // By the profile instead of the curvature at the maximum: the likelihood of few specimens is far from a parabola.
     let of_mean = |from: f64| profile_of_mean(&likelihood, mean + from * deviation) >= least;
@@ -239,42 +212,38 @@ pub fn probit(counts: &[Counts], confidence: f64) -> Result<ProbitFit, Error> {
     Ok(ProbitFit {
         mean: Estimate { value: centre + scale * mean, interval: Some(mean_interval) },
         deviation: Estimate { value: scale * deviation, interval: Some(deviation_interval) },
-        log_likelihood,
     })
 }
 
 fn check(counts: &[Counts]) -> Result<(), Error> {
-    if let Some(&Counts { level, trials, failures }) =
-        counts.iter().find(|c| c.failures > c.trials || !c.level.is_finite())
-    {
-        return Err(Error::new(format!(
-            "at level {level} {failures} of {trials} specimens failed: not counts at a level"
-        )));
+    for Counts { level, trials, failures } in counts {
+        ensure(failures <= trials && level.is_finite(), || {
+            format!("at level {level} {failures} of {trials} specimens failed: not counts at a level")
+        })?;
     }
-    let failed = || counts.iter().filter(|c| c.failures > 0).map(|c| c.level);
-    let survived = || counts.iter().filter(|c| c.failures < c.trials).map(|c| c.level);
-    if failed().next().is_none() || survived().next().is_none() {
-        return Err(Error::new(format!(
-            "all {trials} specimens had the same outcome",
-            trials = counts.iter().map(|c| c.trials).sum::<u64>()
-        ))
-        .of_kind(Kind::NoFit));
-    }
-    let lowest = |levels: &mut dyn Iterator<Item = f64>| levels.fold(f64::INFINITY, f64::min);
-    let highest = |levels: &mut dyn Iterator<Item = f64>| levels.fold(f64::NEG_INFINITY, f64::max);
-    if lowest(&mut survived()) >= highest(&mut failed()) {
-        return Err(Error::new("failures do not become more frequent with the level").of_kind(Kind::NoFit));
-    }
-    let (survived, failed) = (highest(&mut survived()), lowest(&mut failed()));
+    let levels = |is_meant: fn(&&Counts) -> bool| counts.iter().filter(is_meant).map(|c| c.level).collect::<Vec<f64>>();
+    let (failed, survived) = (levels(|c| c.failures > 0), levels(|c| c.failures < c.trials));
+    let trials: u64 = counts.iter().map(|c| c.trials).sum();
+    ensure_fit(!failed.is_empty() && !survived.is_empty(), || format!("all {trials} specimens had the same outcome"))?;
+    let lowest = |levels: &[f64]| levels.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = |levels: &[f64]| levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    ensure_fit(lowest(&survived) < highest(&failed), || NOT_RISING)?;
+    let (survived, failed) = (highest(&survived), lowest(&failed));
     // Separated outcomes: a deviation of zero explains them all, and the likelihood has no maximum.
-    if failed >= survived {
-        return Err(Error::new(format!(
+    ensure_fit(failed < survived, || {
+        format!(
             "specimens survive up to level {survived} and fail from level {failed} on: \
              outcomes that do not overlap tell no deviation"
-        ))
-        .of_kind(Kind::NoFit));
-    }
-    Ok(())
+        )
+    })
+}
+
+/// Why outcomes have no fit where fewer specimens fail at higher levels.
+const NOT_RISING: &str = "failures do not become more frequent with the level";
+
+/// Refuses outcomes that have no fit.
+fn ensure_fit<M: Into<String>>(holds: bool, message: impl FnOnce() -> M) -> Result<(), Error> {
+    ensure(holds, message).map_err(|error| error.of_kind(Kind::NoFit))
 }
 
 /// Farthest that an interval is followed, in deviations or as a logarithm.
@@ -465,11 +434,15 @@ mod tests {
     const F: Outcome = Outcome::Failed;
     const S: Outcome = Outcome::Survived;
 
+    /// Times that the less frequent outcome must occur before a test after ISO 7765-1 or ASTM D1709 is complete.
+    const STANDARD_COUNT: usize = 10;
+
     /// Virtual specimens of normal strength of mean 100 and deviation 10, tested until either outcome occurred `count`
     /// times.
     fn tested(staircase: &Staircase, count: usize, stream: &mut Stream) -> Vec<Outcome> {
         let mut outcomes = Vec::new();
-        while !Staircase::is_complete(&outcomes, count) {
+        let times = |outcomes: &[Outcome], which| outcomes.iter().filter(|outcome| **outcome == which).count();
+        while times(&outcomes, F).min(times(&outcomes, S)) < count {
             let strength = 100.0 + 10.0 * stream.normal();
             outcomes.push(if strength <= staircase.next_level(&outcomes) { F } else { S });
         }
@@ -489,15 +462,6 @@ mod tests {
         );
     }
 
-    #[test]
-    fn a_test_is_complete_when_either_outcome_occurred_often_enough() {
-        let mut outcomes = vec![F; 12];
-        outcomes.extend([S; 9]);
-        assert!(!Staircase::is_complete(&outcomes, STANDARD_COUNT));
-        outcomes.push(S);
-        assert!(Staircase::is_complete(&outcomes, STANDARD_COUNT));
-    }
-
     /// By hand: from 90 g the levels are 90, 105, 90, 105, 90, 75, 90, 105, 120, 105, 90, 75, 90, 105, 90, 105, 120, 105,
     /// 90 and 105 g, with failures at 90 (2), 105 (6) and 120 g (2): A = 10, B = 14, N = 10; 90 + 15 (1 − ½) = 97.5 g; (140
     /// − 100)/100 = 0.4; 1.62 · 15 · 0.429 = 10.4247 g.
@@ -509,8 +473,7 @@ mod tests {
         let levels: Vec<f64> = staircase.counts(&outcomes).iter().map(|c| c.level).collect();
         assert_eq!((levels, failures), (vec![75.0, 90.0, 105.0, 120.0], vec![0, 2, 6, 2]));
         let reduction = staircase.reduce(&outcomes, 0.95).unwrap();
-        assert_eq!((reduction.counted, reduction.count), (F, 10));
-        assert!((reduction.mean - 97.5).abs() < 1e-12 && (reduction.variance_ratio - 0.4).abs() < 1e-12);
+        assert!((reduction.mean - 97.5).abs() < 1e-12);
         assert!((reduction.deviation.unwrap() - 10.4247).abs() < 1e-10);
     }
 
@@ -520,7 +483,6 @@ mod tests {
         let mirrored: Vec<Outcome> = outcomes.iter().map(|o| if *o == F { S } else { F }).collect();
         let staircase = Staircase::new(0.0, 1.0).unwrap();
         let (one, other) = (staircase.reduce(&outcomes, 0.95).unwrap(), staircase.reduce(&mirrored, 0.95).unwrap());
-        assert_ne!(one.counted, other.counted);
         assert!((one.mean + other.mean).abs() < 1e-12 && one.deviation == other.deviation);
     }
 

@@ -1,7 +1,7 @@
 //! Estimates from samples of equal weight, and how well they are known.
 
-use crate::normal;
 use crate::random::Stream;
+use crate::{Error, ensure, normal};
 
 /// Confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,12 @@ impl Interval {
         let half = normal_factor(confidence) * deviation;
         Self { low: centre - half, high: centre + half }
     }
+}
+
+/// Refuses points of which not each has an output.
+pub(crate) fn check_counts(points: &[Vec<f64>], outputs: &[Option<f64>]) -> Result<(), Error> {
+    let (points, outputs) = (points.len(), outputs.len());
+    ensure(points == outputs, || format!("{points} points have {outputs} outputs"))
 }
 
 /// An output that counts: no missing one, and none that is no finite number.
@@ -149,35 +155,17 @@ impl Default for Bootstrap {
 }
 
 impl Bootstrap {
-    /// Standard deviation of each statistic over the resamples.
-    pub fn deviations<const N: usize>(
-        &self,
-        count: usize,
-        statistics: impl FnMut(&[usize]) -> [Option<f64>; N],
-    ) -> [Option<f64>; N] {
-        self.replicates(count, statistics).map(|values| deviation(&values?))
-    }
-
-    /// Values of each statistic in all resamples.
-    fn replicates<const N: usize>(
-        &self,
-        count: usize,
-        mut statistics: impl FnMut(&[usize]) -> [Option<f64>; N],
-    ) -> [Option<Vec<f64>>; N] {
-        let mut values = std::array::from_fn(|_| Some(Vec::with_capacity(self.resamples)));
+    /// Standard deviation of a statistic over resamples of `count` places; none where it is undefined in one of them.
+    pub fn deviation(&self, count: usize, mut statistic: impl FnMut(&[usize]) -> Option<f64>) -> Option<f64> {
         let mut stream = Stream::new(self.seed);
-        let mut indices = vec![0; count];
-        for _ in 0..if count == 0 { 0 } else { self.resamples } {
-            indices.iter_mut().for_each(|index| *index = stream.below(count));
-            for (values, value) in values.iter_mut().zip(statistics(&indices)) {
-                // One undefined resample makes the whole statistic undefined: leaving it out would bias the interval.
-                *values = values.take().zip(value).map(|(mut values, value)| {
-                    values.push(value);
-                    values
-                });
-            }
-        }
-        values
+        let mut places = vec![0; count];
+        let resamples = if count == 0 { 0 } else { self.resamples };
+        let values = (0..resamples).map(|_| {
+            places.iter_mut().for_each(|place| *place = stream.below(count));
+            statistic(&places)
+        });
+        // Leaving out an undefined one would bias the interval.
+        deviation(&values.collect::<Option<Vec<f64>>>()?)
     }
 }
 
@@ -261,17 +249,17 @@ mod tests {
     fn a_resample_takes_every_sample_equally_often() {
         for one in 0..3 {
             let bootstrap = Bootstrap { resamples: 20_000, ..Bootstrap::default() };
-            let [deviation] = bootstrap
-                .deviations(3, |indices| [Some(indices.iter().filter(|index| **index == one).count() as f64 / 3.0)]);
+            let mean = |places: &[usize]| Some(places.iter().filter(|place| **place == one).count() as f64 / 3.0);
+            let deviation = bootstrap.deviation(3, mean);
             assert!((deviation.unwrap() / (2.0_f64 / 27.0).sqrt() - 1.0).abs() < 0.02, "{one}: {deviation:?}");
         }
     }
 
     #[test]
     fn an_undefined_statistic_has_no_deviation() {
-        let [one, other] = Bootstrap::default().deviations(3, |indices| [Some(1.0), (indices[0] > 0).then_some(1.0)]);
-        assert_eq!((one, other), (Some(0.0), None));
-        let [none] = Bootstrap::default().deviations(0, |_| [Some(1.0)]);
-        assert_eq!(none, None);
+        let bootstrap = Bootstrap::default();
+        assert_eq!(bootstrap.deviation(3, |_| Some(1.0)), Some(0.0));
+        assert_eq!(bootstrap.deviation(3, |places| (places[0] > 0).then_some(1.0)), None);
+        assert_eq!(bootstrap.deviation(0, |_| Some(1.0)), None);
     }
 }

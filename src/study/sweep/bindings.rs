@@ -19,10 +19,10 @@ use scene::scenario::{Assignment, Document};
 use uncertainty::design::{self, Levels, Method};
 use uncertainty::distribution::Family as Distributed;
 use uncertainty::random::Stream;
-use uncertainty::reliability::{Probability, SamplingOptions, SubsetOptions, monte_carlo, subset_simulation};
+use uncertainty::reliability::{Probability, Sampling, monte_carlo, subset_simulation};
 use uncertainty::staircase::{Counts, Outcome, ProbitFit, Staircase, probit};
 use uncertainty::statistics::Interval;
-use uncertainty::surrogate::{Family, Options as Fit, Surrogate};
+use uncertainty::surrogate::{Family, HIGHEST_DEGREE, Surrogate};
 use uncertainty::{Kind, normal};
 
 /// A function of a study and options.
@@ -163,7 +163,7 @@ fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     for name in asked.unwrap_or_else(varying) {
         let column = results.table.column(&name);
         let column = column.ok_or_else(|| refuse!("the runs have no figure `{name}`"))?;
-        let fit = Surrogate::fit(&families, &points, &column.values.numbers(), &Fit::default());
+        let fit = Surrogate::fit(&families, &points, &column.values.numbers(), HIGHEST_DEGREE);
         let fit = fit.map_err(|error| refuse!("{name}: {error}"))?;
         let figures = json!({
             "q2": fit.q2(), "degree": fit.degree(), "terms": fit.terms(), "mean": fit.mean(), "deviation": fit.variance().sqrt(),
@@ -231,22 +231,19 @@ fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) ->
         })
     };
     let method = options.map.get("method").map_or_else(|| "subset".to_owned(), Dynamic::to_string);
-    let sampling = SamplingOptions { samples, seed, confidence: CONFIDENCE, ..SamplingOptions::default() };
+    let sampling = Sampling { samples, seed, confidence: CONFIDENCE };
     let mut warning = None;
     let found = match method.as_str() {
-        "subset" => {
-            let options = SubsetOptions { samples, seed, confidence: CONFIDENCE, ..SubsetOptions::default() };
-            subset_simulation(inputs, &options, &mut limit_state).map(|found| {
-                if !found.reached {
-                    let below = found.probability.interval.high;
-                    let (figure, levels) = (limit.figure.clone(), found.thresholds.len());
-                    warning = Some(Warning::NotReached { figure, levels, below });
-                }
-                let mut map = figures(&found.probability);
-                map["thresholds"] = json!(found.thresholds);
-                map
-            })
-        }
+        "subset" => subset_simulation(inputs, &sampling, &mut limit_state).map(|found| {
+            if !found.reached {
+                let below = found.probability.interval.high;
+                let (figure, levels) = (limit.figure.clone(), found.thresholds.len());
+                warning = Some(Warning::NotReached { figure, levels, below });
+            }
+            let mut map = figures(&found.probability);
+            map["thresholds"] = json!(found.thresholds);
+            map
+        }),
         "monte-carlo" => monte_carlo(inputs, &sampling, &mut limit_state).map(|found| figures(&found)),
         other => {
             let message = format!("method is \"subset\" or \"monte-carlo\", not \"{other}\"");

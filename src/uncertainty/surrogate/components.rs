@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Family, Options, Output, Surrogate, polynomials};
-use crate::Error;
+use super::{Family, Output, Surrogate, polynomials};
+use crate::{Error, ensure};
 
 /// Most principal components.
 const MOST: usize = 12;
@@ -34,12 +34,10 @@ impl Components {
         families: &[Family],
         points: &[Vec<f64>],
         outputs: &DMatrix<f64>,
-        options: &Options,
+        highest_degree: usize,
     ) -> Result<Components, Error> {
         let (length, count) = outputs.shape();
-        if points.len() != count {
-            return Err(Error::new(format!("{points} points have {count} outputs", points = points.len())));
-        }
+        ensure(points.len() == count, || format!("{} points have {count} outputs", points.len()))?;
         if length == 0 || families.is_empty() {
             let mean = if length == 0 { DVector::zeros(0) } else { outputs.column_mean() };
             let modes = DMatrix::zeros(length, 0);
@@ -59,7 +57,7 @@ impl Components {
         let (taken, others) = order.split_at(taken);
         let amplitudes = taken.iter().map(|mode| {
             let own: Vec<f64> = (0..count).map(|sample| sizes[*mode] * right[(*mode, sample)]).collect();
-            Output::fit(families, points, &own, options)
+            Output::fit(families, points, &own, highest_degree)
         });
         let left_out = DMatrix::from_fn(length, others.len(), |row, column| {
             left[(row, others[column])] * sizes[others[column]] / (count as f64).sqrt()
@@ -179,8 +177,7 @@ mod tests {
             let mut stream = Stream::new(3);
             let points: Vec<Vec<f64>> = (0..60).map(|_| vec![stream.uniform(), stream.uniform()]).collect();
             let outputs = DMatrix::from_fn(40, 60, |row, run| truth(&points[run], row) + noise * stream.normal());
-            let options = Options { highest_degree: 6, ..Options::default() };
-            let fitted = Components::fit(&[Family::Legendre; 2], &points, &outputs, &options).unwrap();
+            let fitted = Components::fit(&[Family::Legendre; 2], &points, &outputs, 6).unwrap();
             let mut square = 0.0;
             for _ in 0..50 {
                 let point = [stream.uniform(), stream.uniform()];
@@ -202,7 +199,7 @@ mod tests {
             1 => -6.0 * points[run][0] + rough(run + 7),
             _ => 1e-3 * rough(run + 3),
         });
-        let fitted = Components::fit(&[Family::Legendre], &points, &outputs, &Options::default()).unwrap();
+        let fitted = Components::fit(&[Family::Legendre], &points, &outputs, 12).unwrap();
         let variances = [1.0, 2.0, 0.5];
         let amplitudes = fitted.amplitudes(&[0.3]);
         let mut covariance = DMatrix::from_fn(3, 3, |row, column| {
@@ -221,11 +218,11 @@ mod tests {
     #[test]
     fn outputs_that_no_input_changes_have_no_component() {
         let outputs = DMatrix::from_element(2, 1, 3.0);
-        let fitted = Components::fit(&[], &[Vec::new()], &outputs, &Options::default()).unwrap();
+        let fitted = Components::fit(&[], &[Vec::new()], &outputs, 12).unwrap();
         assert!(fitted.count() == 0 && fitted.outputs(&fitted.amplitudes(&[])) == DVector::from_element(2, 3.0));
         let expected = -0.5 * (9.0 / 2.0 + 9.0 / 4.0 + 8.0_f64.ln());
         assert!((log(&fitted.likelihood(&[2.0, 4.0]), &[]) - expected).abs() < 1e-14);
-        let none = Components::fit(&[Family::Legendre], &[], &outputs, &Options::default());
+        let none = Components::fit(&[Family::Legendre], &[], &outputs, 12);
         assert_eq!(none, Err(Error::new("0 points have 1 outputs")));
     }
 }

@@ -11,29 +11,18 @@ pub use basis::Family;
 use basis::{Degrees, Pursuit};
 pub use components::Components;
 
-use crate::Error;
 use crate::random::Stream;
-use crate::statistics::{present, variance};
+use crate::statistics::{check_counts, present, variance};
+use crate::{Error, ensure};
 
-/// How a surrogate model is fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Highest degree that is tried.
-    pub highest_degree: usize,
-    /// q of the hyperbolic truncation, within (0, 1]: the smaller, the fewer interactions of high degree. Degrees
-    /// with more than 4000 products are not tried.
-    pub truncation: f64,
-    /// Folds of the cross-validation.
-    pub folds: usize,
-    /// Seed, which decides which sample is in which fold.
-    pub seed: u64,
-}
+/// Highest degree that is worth its time where nothing else is known.
+pub const HIGHEST_DEGREE: usize = 12;
 
-impl Default for Options {
-    fn default() -> Self {
-        Self { highest_degree: 12, truncation: 0.75, folds: 10, seed: 0 }
-    }
-}
+/// q of the hyperbolic truncation, within (0, 1]: the smaller, the fewer interactions of high degree.
+const TRUNCATION: f64 = 0.75;
+
+/// Folds of the cross-validation.
+const FOLDS: usize = 10;
 
 /// Most products of polynomials that are considered.
 const MOST_CANDIDATES: usize = 4000;
@@ -70,25 +59,23 @@ impl Surrogate {
         families: &[Family],
         points: &[Vec<f64>],
         outputs: &[Option<f64>],
-        options: &Options,
+        highest_degree: usize,
     ) -> Result<Self, Error> {
-        let (points, outputs) = checked(families, points, outputs, options)?;
+        let (points, outputs) = checked(families, points, outputs)?;
         let mean = outputs.iter().sum::<f64>() / outputs.len() as f64;
         let spread: f64 = outputs.iter().map(|y| (y - mean) * (y - mean)).sum();
-        if spread <= 0.0 {
-            return Err(Error::new("the output is the same everywhere: there is nothing to model"));
-        }
+        ensure(spread > 0.0, || "the output is the same everywhere: there is nothing to model")?;
         // Mixed: folds of successive points of a design would leave out whole regions.
-        let order = Stream::new(options.seed).permutation(outputs.len());
+        let order = Stream::new(0).permutation(outputs.len());
         let mut best: Option<(Choice, usize)> = None;
-        for degree in 1..=options.highest_degree.max(1) {
+        for degree in 1..=highest_degree.max(1) {
             // A symmetric output gains nothing from odd degrees, so one degree without an improvement does not end the
             // search.
             let tried_enough = best.as_ref().is_some_and(|(_, at)| degree > at + DEGREES_TRIED);
-            let candidates = basis::hyperbolic(families.len(), degree, options.truncation, MOST_CANDIDATES);
+            let candidates = basis::hyperbolic(families.len(), degree, TRUNCATION, MOST_CANDIDATES);
             let Some(candidates) = candidates.filter(|_| !tried_enough) else { break };
             let columns = columns(families, &candidates, &points, degree);
-            let (terms, error) = cross_validated(&columns, &outputs, &order, options.folds);
+            let (terms, error) = cross_validated(&columns, &outputs, &order);
             if best.as_ref().is_none_or(|(best, _)| error < best.error) {
                 best = Some((Choice { candidates, columns, terms, error }, degree));
             }
@@ -158,13 +145,6 @@ impl Surrogate {
         self.shares(|input, degrees| degrees.iter().any(|&(other, _)| other == input))
     }
 
-    /// Second-order Sobol' index: share of the variance that is due to two inputs only together.
-    pub fn pair(&self, one: usize, other: usize) -> Option<f64> {
-        let (low, high) = (one.min(other), one.max(other));
-        let both = |degrees: &Degrees| degrees.len() == 2 && degrees[0].0 == low && degrees[1].0 == high;
-        (self.variance() > 0.0).then(|| self.partial(both) / self.variance())
-    }
-
     fn shares(&self, of: impl Fn(usize, &Degrees) -> bool) -> Option<Vec<f64>> {
         let variance = self.variance();
         let share = |input| self.partial(|degrees| of(input, degrees)) / variance;
@@ -230,57 +210,26 @@ fn columns(families: &[Family], candidates: &[Degrees], points: &[&[f64]], degre
 /// Points and outputs that are not missing.
 type Sample<'a> = (Vec<&'a [f64]>, Vec<f64>);
 
-fn checked<'a>(
-    families: &[Family],
-    points: &'a [Vec<f64>],
-    outputs: &[Option<f64>],
-    options: &Options,
-) -> Result<Sample<'a>, Error> {
-    if points.len() != outputs.len() {
-        return Err(Error::new(format!(
-            "{points} points have {outputs} outputs",
-            points = points.len(),
-            outputs = outputs.len()
-        )));
-    }
+fn checked<'a>(families: &[Family], points: &'a [Vec<f64>], outputs: &[Option<f64>]) -> Result<Sample<'a>, Error> {
+    check_counts(points, outputs)?;
     let inputs = families.len();
-    if let Some(point) = points.iter().position(|point| point.len() != inputs) {
-        return Err(Error::new(format!(
-            "point {point} has {coordinates} coordinates, but there are {inputs} inputs",
-            coordinates = points[point].len()
-        )));
-    }
     for (point, coordinates) in points.iter().enumerate() {
-        if let Some(input) = coordinates.iter().position(|u| !(*u > 0.0 && *u < 1.0)) {
-            return Err(Error::new(format!(
-                "coordinate {input} of point {point} is {value}, but must be within 0 and 1, neither included",
-                value = coordinates[input]
-            )));
+        let count = coordinates.len();
+        ensure(count == inputs, || format!("point {point} has {count} coordinates, but there are {inputs} inputs"))?;
+        for (input, value) in coordinates.iter().enumerate() {
+            ensure(*value > 0.0 && *value < 1.0, || {
+                format!("coordinate {input} of point {point} is {value}, but must be within 0 and 1, neither included")
+            })?;
         }
-    }
-    if !(options.truncation > 0.0 && options.truncation <= 1.0) {
-        return Err(Error::new(format!(
-            "the truncation is {q}, but must be positive and at most 1",
-            q = options.truncation
-        )));
-    }
-    if options.folds < 2 {
-        return Err(Error::new(format!(
-            "cross-validation needs at least 2 folds, found {folds}",
-            folds = options.folds
-        )));
     }
     let sample: Sample =
         points.iter().zip(outputs).filter_map(|(point, output)| Some((point.as_slice(), present(*output)?))).unzip();
     let (samples, terms) = (sample.1.len(), inputs + 1);
     // The samples without one fold must still be two a term.
-    let needed = (2 * terms * options.folds).div_ceil(options.folds - 1) + 1;
-    if samples < needed.max(options.folds) {
-        return Err(Error::new(format!(
-            "{samples} samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed",
-            needed = needed.max(options.folds)
-        )));
-    }
+    let needed = ((2 * terms * FOLDS).div_ceil(FOLDS - 1) + 1).max(FOLDS);
+    ensure(samples >= needed, || {
+        format!("{samples} samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed")
+    })?;
     Ok(sample)
 }
 
@@ -302,12 +251,17 @@ impl Output {
     ///
     /// # Errors
     /// See [`Error`].
-    pub fn fit(families: &[Family], points: &[Vec<f64>], outputs: &[f64], options: &Options) -> Result<Output, Error> {
+    pub fn fit(
+        families: &[Family],
+        points: &[Vec<f64>],
+        outputs: &[f64],
+        highest_degree: usize,
+    ) -> Result<Output, Error> {
         if let Some(first) = outputs.first().filter(|first| outputs.iter().all(|output| output == *first)) {
             return Ok(Output { kind: Kind::Constant(*first), error: 0.0 });
         }
         let given: Vec<Option<f64>> = outputs.iter().copied().map(Some).collect();
-        let surrogate = Surrogate::fit(families, points, &given, options)?;
+        let surrogate = Surrogate::fit(families, points, &given, highest_degree)?;
         let error = variance(outputs).unwrap_or(0.0) * (1.0 - surrogate.q2()).max(0.0);
         Ok(Output { kind: Kind::Varying(surrogate), error })
     }
@@ -350,9 +304,9 @@ const TERMS_TRIED: usize = 25;
 
 /// Number of terms with the least sum of squared errors over all folds, and that error.
 ///
-/// The pursuits of all folds go on in step. Sample `order[i]` is left out in fold i modulo `folds`.
-fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize], folds: usize) -> (usize, f64) {
-    let parts: Vec<(Vec<usize>, usize)> = (0..folds).map(|fold| rows_of_fold(order, fold, folds)).collect();
+/// The pursuits of all folds go on in step. Sample `order[i]` is left out in fold i modulo [`FOLDS`].
+fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize]) -> (usize, f64) {
+    let parts: Vec<(Vec<usize>, usize)> = (0..FOLDS).map(|fold| rows_of_fold(order, fold)).collect();
     let arranged = |values: &[f64], rows: &[usize]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
     let of_folds: Vec<Vec<Vec<f64>>> =
         parts.iter().map(|(rows, _)| columns.iter().map(|column| arranged(column, rows)).collect()).collect();
@@ -377,8 +331,8 @@ fn cross_validated(columns: &[Vec<f64>], outputs: &[f64], order: &[usize], folds
 }
 
 /// Rows of a fold, those that are fitted first, and their number.
-fn rows_of_fold(order: &[usize], fold: usize, folds: usize) -> (Vec<usize>, usize) {
-    let places = |left_out: bool| (0..order.len()).filter(move |place| (place % folds == fold) == left_out);
+fn rows_of_fold(order: &[usize], fold: usize) -> (Vec<usize>, usize) {
+    let places = |left_out: bool| (0..order.len()).filter(move |place| (place % FOLDS == fold) == left_out);
     let rows: Vec<usize> = places(false).chain(places(true)).map(|place| order[place]).collect();
     (rows, places(false).count())
 }
@@ -414,18 +368,17 @@ mod tests {
         let (first, total, variance) = ishigami_indices();
         for (samples, allowed) in [(128, 0.05), (256, 1e-3)] {
             let (points, outputs) = sample(3, samples, ishigami);
-            let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
+            let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, HIGHEST_DEGREE).unwrap();
             let unseen = unseen(&model, 3, ishigami);
             println!(
                 "Ishigami, {samples} samples: degree {}, {} terms, Q² {:.6} (unseen {unseen:.6}), S {:.4?}, ST {:.4?}, \
-             variance {:.3} ({variance:.3}), S13 {:.4}",
+             variance {:.3} ({variance:.3})",
                 model.degree(),
                 model.terms(),
                 model.q2(),
                 model.first().unwrap(),
                 model.total().unwrap(),
-                model.variance(),
-                model.pair(2, 0).unwrap()
+                model.variance()
             );
             assert!(
                 worst(&model.first().unwrap(), &first) < allowed && worst(&model.total().unwrap(), &total) < allowed
@@ -441,7 +394,7 @@ mod tests {
         let a = [0.0, 1.0, 4.5, 9.0, 99.0];
         let (first, total) = g_indices(&a);
         let (points, outputs) = sample(5, 400, |u| g(&a, u));
-        let model = Surrogate::fit(&[Family::Legendre; 5], &points, &outputs, &Options::default()).unwrap();
+        let model = Surrogate::fit(&[Family::Legendre; 5], &points, &outputs, HIGHEST_DEGREE).unwrap();
         let unseen = unseen(&model, 5, |u| g(&a, u));
         println!(
             "g-function, 400 samples: degree {}, {} terms, Q² {:.4} (unseen {unseen:.4}), S {:.4?} ({first:.4?})",
@@ -463,13 +416,11 @@ mod tests {
             x[0] * x[0] + x[0] * x[1]
         };
         let (points, outputs) = sample(2, 40, f);
-        let options = Options { truncation: 1.0, ..Options::default() };
-        let model = Surrogate::fit(&[Family::Hermite; 2], &points, &outputs, &options).unwrap();
+        let model = Surrogate::fit(&[Family::Hermite; 2], &points, &outputs, HIGHEST_DEGREE).unwrap();
         // x₀ = 2 + z₀/2, x₁ = −1 + 2 z₁: mean 4.25 − 2; z₀: 2 − 1/2; z₁: 4; z₀²: 1/4; z₀ z₁: 1.
         let (mean, variance) = (2.25, 1.5 * 1.5 + 16.0 + 2.0 / 16.0 + 1.0);
         assert!((model.mean() - mean).abs() < 1e-9 && (model.variance() - variance).abs() < 1e-9);
         assert!(worst(&model.first().unwrap(), &[(2.25 + 0.125) / variance, 16.0 / variance]) < 1e-9);
-        assert!((model.pair(0, 1).unwrap() - 1.0 / variance).abs() < 1e-9);
         assert!(model.q2() > 1.0 - 1e-9);
     }
 
@@ -482,7 +433,7 @@ mod tests {
             .map(|seed| {
                 let mut stream = Stream::new(seed);
                 let outputs: Vec<Option<f64>> = (0..80).map(|_| Some(stream.normal())).collect();
-                Surrogate::fit(&[Family::Legendre; 6], &points, &outputs, &Options::default()).unwrap().q2()
+                Surrogate::fit(&[Family::Legendre; 6], &points, &outputs, HIGHEST_DEGREE).unwrap().q2()
             })
             .collect();
         println!("noise, 80 samples of 6 inputs: Q² {q2:.3?}");
@@ -493,14 +444,14 @@ mod tests {
     fn missing_outputs_are_left_out() {
         let (points, mut outputs) = sample(3, 300, ishigami);
         outputs.iter_mut().step_by(10).for_each(|output| *output = None);
-        let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, &Options::default()).unwrap();
+        let model = Surrogate::fit(&[Family::Legendre; 3], &points, &outputs, HIGHEST_DEGREE).unwrap();
         assert!(worst(&model.first().unwrap(), &ishigami_indices().0) < 1e-3);
     }
 
     #[test]
     fn what_cannot_be_fitted_is_refused() {
         let fit = |points: &[Vec<f64>], outputs: &[Option<f64>]| {
-            Surrogate::fit(&[Family::Legendre; 2], points, outputs, &Options::default()).unwrap_err()
+            Surrogate::fit(&[Family::Legendre; 2], points, outputs, HIGHEST_DEGREE).unwrap_err()
         };
         let points = vec![vec![0.5, 0.25]; 20];
         assert_eq!(

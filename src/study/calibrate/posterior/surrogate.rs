@@ -8,7 +8,7 @@ use membrane::lane::{LANES, Lane, Width, at_width, lanes};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use uncertainty::Error;
-use uncertainty::surrogate::{Components, Family, Options, Output};
+use uncertainty::surrogate::{Components, Family, Output};
 
 use crate::calibrate::error_model::{Spectrum, log_mean_exp};
 
@@ -86,12 +86,11 @@ impl TestSurrogate {
                 format!("0 samples are too few for a linear polynomial of {terms} terms: at least {needed} are needed");
             return Err(Error::new(text));
         };
-        let options = Options { highest_degree: HIGHEST_DEGREE, ..Options::default() };
         let all = DMatrix::from_fn(compared, inside.len(), |row, run| inside[run].1[row]);
-        let differences = Components::fit(&families, &points, &all, &options)?;
+        let differences = Components::fit(&families, &points, &all, HIGHEST_DEGREE)?;
         let demands = (compared..numbers).map(|place| {
             let outputs: Vec<f64> = inside.iter().map(|(_, found)| found[place]).collect();
-            Output::fit(&families, &points, &outputs, &options)
+            Output::fit(&families, &points, &outputs, HIGHEST_DEGREE)
         });
         let demands = demands.collect::<Result<Vec<_>, _>>()?;
         let demand_errors = demands.iter().map(Output::error).collect();
