@@ -1,19 +1,19 @@
-//! Diagnostics of the checks, each at the place of a key path.
+//! A check of a document, with its diagnostics, each at the place of a key path.
 
 use std::path::PathBuf;
 
 use crate::scenario::{Document, MeshFile};
 use base::diagnostic::{Diagnostic, Diagnostics, Span, shown_path};
 
-/// The diagnostics found so far, and the document that says where they are.
-pub struct ModelDiagnostics<'d> {
+/// A check: the diagnostics found so far, and the document that says where they are.
+pub struct Check<'d> {
     pub document: &'d Document,
     pub found: Diagnostics,
 }
 
-impl<'d> ModelDiagnostics<'d> {
-    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> ModelDiagnostics<'d> {
-        ModelDiagnostics { document, found: Diagnostics(mistakes) }
+impl<'d> Check<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Check<'d> {
+        Check { document, found: Diagnostics(mistakes) }
     }
 
     /// A mistake in the value at the key path.

@@ -1,7 +1,7 @@
 //! What excludes what: tables of keys and of what they are refused beside, which one loop checks and the documents print.
 
 use super::loading::{Impactors, Inertia};
-use super::{Hold, Loading, ModelDiagnostics, Symmetry};
+use super::{Check, Hold, Loading, Symmetry};
 use crate::mesh::Side;
 use crate::scenario::{self, BodyShape, Guide, ImpactorShape, MountingCurve, Scenario};
 
@@ -23,14 +23,14 @@ pub(super) struct Exclusion<F> {
 
 impl<F> Exclusion<F> {
     /// Reports the `key` of the table at `path`.
-    fn report(&self, key: &str, path: &str, mistakes: &mut ModelDiagnostics<'_>) {
+    fn report(&self, key: &str, path: &str, check: &mut Check<'_>) {
         let hint = self.hint.replace("{}", path);
         match self.message {
-            Some(message) => mistakes.report_with(key, message, hint),
-            None => mistakes.out_of_place(key, hint),
+            Some(message) => check.report_with(key, message, hint),
+            None => check.out_of_place(key, hint),
         }
         if let Some([other, text]) = self.label {
-            mistakes.label(&other.replace("{}", path), text);
+            check.label(&other.replace("{}", path), text);
         }
     }
 }
@@ -45,7 +45,8 @@ pub fn exclusions() -> Vec<[String; 2]> {
     [rows("", &scene()), rows("impactor.", &impactor()), rows("specimen.material.", &material())].concat()
 }
 
-/// The parts of a scenario that its exclusions ask for.
+/// The parts of a scenario on which it depends what the others may be.
+#[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {
     pub scenario: &'a Scenario,
     pub loading: &'a Loading,
@@ -61,7 +62,7 @@ impl Scene<'_> {
         self.loading.impact().is_some()
     }
 
-    fn is_by_gas(&self) -> bool {
+    pub(super) fn is_by_gas(&self) -> bool {
         self.loading.is_by_gas()
     }
 
@@ -69,15 +70,18 @@ impl Scene<'_> {
         self.scenario.air.as_ref().is_some_and(|air| air.cushion.is_some())
     }
 
+    /// Whether gas presses faces on each other.
+    pub(super) fn gas_joins_faces(&self) -> bool {
+        self.scenario.faces() > 1 && self.is_by_gas() && self.loading.refuses_faces().is_none()
+    }
+
     /// Whether impactors or gas press faces on each other.
-    fn faces_meet(&self) -> bool {
-        let is_pressed =
-            !self.scenario.impactor.is_empty() || (self.is_by_gas() && self.loading.refuses_faces().is_none());
-        self.scenario.faces() > 1 && is_pressed
+    pub(super) fn faces_meet(&self) -> bool {
+        (self.scenario.faces() > 1 && !self.scenario.impactor.is_empty()) || self.gas_joins_faces()
     }
 
     /// Whether an impactor or gas folds film.
-    fn film_folds(&self) -> bool {
+    pub(super) fn film_folds(&self) -> bool {
         !self.scenario.impactor.is_empty() || self.is_by_gas()
     }
 
@@ -298,7 +302,7 @@ exclusions! {
 /// Most entries of a list of tables whose keys are looked for.
 const MOST_PLACES: usize = 64;
 
-impl ModelDiagnostics<'_> {
+impl Check<'_> {
     /// Reports the keys of the table at `path`, which ends with a point, that the `exclusions` refuse there, each at its
     /// first row, and returns them.
     pub(super) fn exclude<F>(&mut self, path: &str, exclusions: &[Exclusion<F>], facts: &F) -> Vec<&'static str> {

@@ -1,8 +1,9 @@
 //! The mounting frame, contact of film with film, and the air around it.
 
+use super::exclusions::Scene;
 use super::loading::Inertia;
 use super::specimen::height_path;
-use super::{Air, Bars, Contact, Face, Frame, Hold, Impactor, Loading, ModelDiagnostics, Specimen, Springs, Symmetry};
+use super::{Air, Bars, Check, Contact, Face, Frame, Hold, Impactor, Loading, Specimen, Springs, Symmetry};
 use crate::mesh::{Outline, Side};
 use crate::scenario::{self, EdgeChoice, Scenario, Shape};
 use base::number::significant;
@@ -11,31 +12,30 @@ const HOLD: &str = "frame.hold";
 const BARS: &str = "frame.bars";
 const RADIUS: &str = "frame.bars.radius";
 
-/// The frame with edges held by `hold` around `faces` of `specimen`, which are left out where there are mistakes in them,
+/// The frame of a scene around `faces` of `specimen`, which are left out where there are mistakes in them,
 /// as are the parts that are `refused`.
 pub(super) fn check(
-    scenario: &Scenario,
-    hold: Hold,
+    scene: &Scene<'_>,
     specimen: Option<&Specimen>,
     faces: Option<&[Face]>,
     refused: &[&str],
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Frame {
-    let scenario::Frame { bars, clamp, springs, .. } = &scenario.frame;
+    let scenario::Frame { bars, clamp, springs, .. } = &scene.scenario.frame;
     let bars = bars.as_ref().filter(|_| !refused.contains(&BARS));
     let shape = specimen.map(|specimen| &specimen.shape);
-    let bars = bars.and_then(|bars| check_bars(bars, scenario, &hold, shape, faces, mistakes));
+    let bars = bars.and_then(|bars| check_bars(bars, scene, shape, faces, check));
     let springs = springs.filter(|_| !refused.contains(&"frame.springs"));
-    let springs = springs.filter(|springs| are_possible(springs, scenario, &hold, mistakes));
-    Frame { hold, bars, clamp: *clamp, springs }
+    let springs = springs.filter(|springs| are_possible(springs, scene, check));
+    Frame { hold: scene.hold.clone(), bars, clamp: *clamp, springs }
 }
 
 /// The clamped edges; under a stretch the jaws.
-pub(super) fn check_hold(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
+pub(super) fn check_hold(scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) -> Hold {
     match &scenario.frame.hold {
         Some(scenario::Hold::Word(EdgeChoice::All)) => Hold::All,
         Some(scenario::Hold::Word(EdgeChoice::None)) => Hold::None,
-        Some(scenario::Hold::Sides(sides)) => check_sides(sides, scenario, loading, mistakes),
+        Some(scenario::Hold::Sides(sides)) => check_sides(sides, scenario, loading, check),
         None => loading.default_hold(),
     }
 }
@@ -51,18 +51,18 @@ impl Hold {
     }
 }
 
-fn check_sides(written: &[Side], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Hold {
+fn check_sides(written: &[Side], scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) -> Hold {
     let round = matches!(scenario.specimen.shape, Shape::Circle(_));
     if round {
         let hint = if loading.impact().is_some() { "hold \"all\" or \"none\"" } else { "hold \"all\"" };
-        mistakes.report_with(HOLD, "a circle has no sides", hint);
+        check.report_with(HOLD, "a circle has no sides", hint);
     }
     let mut sides: Vec<Side> = Vec::new();
     for (place, side) in written.iter().enumerate() {
         if sides.contains(side) {
-            mistakes.report(&format!("{HOLD}.{place}"), "this side is already held");
+            check.report(&format!("{HOLD}.{place}"), "this side is already held");
             if let Some(first) = written.iter().position(|other| other == side) {
-                mistakes.label(&format!("{HOLD}.{first}"), "here");
+                check.label(&format!("{HOLD}.{first}"), "here");
             }
         } else {
             sides.push(*side);
@@ -72,7 +72,7 @@ fn check_sides(written: &[Side], scenario: &Scenario, loading: &Loading, mistake
     let alike = |a, b| sides.contains(&a) == sides.contains(&b);
     if (x && !alike(Side::XMinus, Side::XPlus)) || (y && !alike(Side::YMinus, Side::YPlus)) {
         let hint = "hold both, or set `specimen.symmetry` to \"none\"";
-        mistakes.report_with(HOLD, "of two sides across a mirror plane, only one is held", hint);
+        check.report_with(HOLD, "of two sides across a mirror plane, only one is held", hint);
     }
     // The whole edge of a rectangle; that of an imported outline may have more to it.
     let is_rim = matches!(scenario.specimen.shape, Shape::Rectangle(_)) && sides.len() == 4;
@@ -89,32 +89,31 @@ const ROUND_OFF: f64 = 1e-9;
 /// The bars; none where there is a mistake in them.
 fn check_bars(
     written: &scenario::Bars,
-    scenario: &Scenario,
-    hold: &Hold,
+    scene: &Scene<'_>,
     shape: Option<&Outline>,
     faces: Option<&[Face]>,
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Option<Bars> {
     let radius = written.round.radius();
     if let Some(faces) = faces {
-        fit_between(radius, faces, scenario, mistakes);
+        fit_between(radius, faces, scene.scenario, check);
     }
-    let opening = match (shape?, hold) {
+    let opening = match (shape?, scene.hold) {
         (Outline::Mesh { .. }, _) => {
             let hint = "give the outline as a rectangle or a polygon";
-            return mistakes.refuse(BARS, "bars along the edge of an imported mesh are not supported", hint);
+            return check.refuse(BARS, "bars along the edge of an imported mesh are not supported", hint);
         }
         (Outline::Circle { .. }, _) => {
             let hint = "give the outline as a polygon with many corners";
-            return mistakes.refuse(BARS, "bars along a circle are not supported", hint);
+            return check.refuse(BARS, "bars along a circle are not supported", hint);
         }
         (Outline::Polygon(_), Hold::Sides(_)) => {
             let message = "bars along some sides of a polygon are not supported";
-            return mistakes.refuse(BARS, message, "hold \"all\", or use a rectangle");
+            return check.refuse(BARS, message, "hold \"all\", or use a rectangle");
         }
         (Outline::Polygon(polygon), _) if polygon.outer.len() > MOST_EDGES => {
             let message = format!("the outline has {} edges; bars may lie along {MOST_EDGES}", polygon.outer.len());
-            return mistakes.refuse(BARS, message, "draw curves with fewer corners");
+            return check.refuse(BARS, message, "draw curves with fewer corners");
         }
         // No circle in a polygon is larger.
         (Outline::Polygon(polygon), _) => 2.0 * polygon.area() / polygon.perimeter(),
@@ -132,14 +131,14 @@ fn check_bars(
     };
     if radius >= opening {
         let hint = format!("the radius must be below {} mm", significant(1e3 * opening, 4));
-        let hint = mistakes.meant(RADIUS).unwrap_or(hint);
-        return mistakes.refuse(RADIUS, "bars of this radius leave no free film between them", hint);
+        let hint = check.meant(RADIUS).unwrap_or(hint);
+        return check.refuse(RADIUS, "bars of this radius leave no free film between them", hint);
     }
     Some(Bars { radius, friction: written.friction })
 }
 
 /// Bars must fit between two faces.
-fn fit_between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+fn fit_between(radius: f64, faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
     match faces {
         [] | [_] => {}
         [upper, lower] => {
@@ -156,23 +155,23 @@ fn fit_between(radius: f64, faces: &[Face], scenario: &Scenario, mistakes: &mut 
                 } else {
                     format!("these bars need faces {needed} mm apart")
                 };
-                let hint = mistakes.meant(RADIUS).unwrap_or(hint);
-                mistakes.report_with(RADIUS, message, hint);
-                mistakes.label(&height_path(scenario, 1), "the lower face");
+                let hint = check.meant(RADIUS).unwrap_or(hint);
+                check.report_with(RADIUS, message, hint);
+                check.label(&height_path(scenario, 1), "the lower face");
             }
         }
         [_, _, ..] => {
             let hint = "bars lie below one face, or between two";
-            mistakes.report_with(BARS, "bars with more than two faces are not supported", hint);
+            check.report_with(BARS, "bars with more than two faces are not supported", hint);
         }
     }
 }
 
 /// Whether there are as many springs as the mirror planes of the film allow, with a preload that they can have.
-fn are_possible(springs: &Springs, scenario: &Scenario, hold: &Hold, mistakes: &mut ModelDiagnostics<'_>) -> bool {
-    let multiple = match scenario.specimen.symmetry {
+fn are_possible(springs: &Springs, scene: &Scene<'_>, check: &mut Check<'_>) -> bool {
+    let multiple = match scene.scenario.specimen.symmetry {
         // They are counted from the positive x axis: half of their number up to the mirror plane across x has to be even.
-        Symmetry::HalfX if *hold == Hold::All => 4,
+        Symmetry::HalfX if *scene.hold == Hold::All => 4,
         symmetry => symmetry.copies() as u32,
     };
     let count = springs.count;
@@ -181,7 +180,7 @@ fn are_possible(springs: &Springs, scenario: &Scenario, hold: &Hold, mistakes: &
         let message = format!("{count} springs have no mirror planes: the computed part would have a share of one");
         let fits = count.next_multiple_of(multiple);
         let hint = format!("use {fits} springs, or set `specimen.symmetry` to \"none\"");
-        mistakes.report_with("frame.springs.count", message, hint);
+        check.report_with("frame.springs.count", message, hint);
     }
     let elongation = springs.preload.map_or(0.0, |force| force.0 / springs.stiffness.0);
     // A stiffness that is refused itself tells nothing.
@@ -190,36 +189,33 @@ fn are_possible(springs: &Springs, scenario: &Scenario, hold: &Hold, mistakes: &
         let elongation = significant(1e3 * elongation, 4);
         let message = format!("a spring under this preload is elongated by {elongation} mm, and is not that long");
         let hint = "use less preload, a larger `stiffness` or a larger `length`";
-        mistakes.report_with("frame.springs.preload", message, hint);
-        mistakes.label("frame.springs.length", "its length under the preload");
+        check.report_with("frame.springs.preload", message, hint);
+        check.label("frame.springs.length", "its length under the preload");
     }
     is_mirrored && !is_too_long
 }
 
 /// Contact between `faces`, with the coefficient of the `impactors` where none is given.
 pub(super) fn check_contact(
-    scenario: &Scenario,
-    loading: &Loading,
+    scene: &Scene<'_>,
     faces: Option<&[Face]>,
     impactors: &[Impactor],
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Contact {
     const FRICTION: &str = "contact.film_friction";
+    let scenario = scene.scenario;
     let Contact { film, itself, film_friction } = scenario.contact;
-    let has_impactor = !scenario.impactor.is_empty();
-    let under_pressure = loading.is_by_gas() && loading.refuses_faces().is_none();
-    let can_meet = scenario.faces() > 1 && (has_impactor || under_pressure);
-    let meets_itself = itself && (has_impactor || loading.is_by_gas());
-    if scenario.faces() > 1 && under_pressure {
+    let meets_itself = itself && scene.film_folds();
+    if scene.gas_joins_faces() {
         if !film {
             let hint = "true: the pressure acts on the lowest face, which presses on those above it";
-            mistakes.missing("contact.film", hint);
+            check.missing("contact.film", hint);
         }
         if film_friction.is_none() {
-            mistakes.missing(FRICTION, "there is no impactor whose coefficient faces could have");
+            check.missing(FRICTION, "there is no impactor whose coefficient faces could have");
         }
-    } else if meets_itself && !has_impactor && film_friction.is_none() {
-        mistakes.missing(FRICTION, "there is no impactor whose coefficient film on film could have");
+    } else if meets_itself && scenario.impactor.is_empty() && film_friction.is_none() {
+        check.missing(FRICTION, "there is no impactor whose coefficient film on film could have");
     }
     for (place, pair) in faces.unwrap_or_default().windows(2).enumerate().filter(|_| film) {
         let [apart, needed] = [pair[0].height - pair[1].height, 0.5 * (pair[0].thickness() + pair[1].thickness())];
@@ -227,11 +223,11 @@ pub(super) fn check_contact(
             let [apart, needed] = [apart, needed].map(|length| significant(1e6 * length, 3));
             let message = format!("the faces are {apart} um apart, closer than they are thick");
             let hint = format!("mount their middle surfaces at least {needed} um apart");
-            mistakes.report_with(&height_path(scenario, place + 1), message, hint);
+            check.report_with(&height_path(scenario, place + 1), message, hint);
         }
     }
     let film_friction = match film_friction {
-        None if can_meet || meets_itself => friction_of(impactors, mistakes),
+        None if scene.faces_meet() || meets_itself => friction_of(impactors, check),
         given => given,
     };
     Contact { film, itself, film_friction }
@@ -239,30 +235,25 @@ pub(super) fn check_contact(
 
 /// The coefficient that film has on film where none is given: that of the impactors, which is assumed where they have
 /// one in common. None where they differ: no impactor comes before another.
-fn friction_of(impactors: &[Impactor], mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
+fn friction_of(impactors: &[Impactor], check: &mut Check<'_>) -> Option<f64> {
     let (first, others) = impactors.split_first()?;
     let Some(place) = others.iter().position(|other| other.friction != first.friction) else {
         return Some(first.friction);
     };
-    mistakes.missing("contact.film_friction", "the impactors differ in `friction`, so faces have none of theirs");
-    mistakes.label(&format!("impactor.{}.friction", place + 1), "another coefficient than that of the first impactor");
+    check.missing("contact.film_friction", "the impactors differ in `friction`, so faces have none of theirs");
+    check.label(&format!("impactor.{}.friction", place + 1), "another coefficient than that of the first impactor");
     None
 }
 
 /// The air, whose cushion lies between two faces.
-pub(super) fn check_air(
-    scenario: &Scenario,
-    loading: &Loading,
-    faces: Option<&[Face]>,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Option<Air> {
-    let air = scenario.air.filter(|_| loading.inertia() == Inertia::Dynamic)?;
+pub(super) fn check_air(scene: &Scene<'_>, faces: Option<&[Face]>, check: &mut Check<'_>) -> Option<Air> {
+    let air = scene.scenario.air.filter(|_| scene.loading.inertia() == Inertia::Dynamic)?;
     if air.cushion.is_none() {
         return Some(air);
     }
     if faces.is_some_and(|faces| faces.len() != 2) {
         let hint = "a cushion has two faces; air between more of them is not supported yet";
-        mistakes.report_with("air.cushion", "there is no air between exactly two faces of film", hint);
+        check.report_with("air.cushion", "there is no air between exactly two faces of film", hint);
     }
     if let Some([upper, lower]) = faces {
         let needed = 0.5 * (upper.thickness() + lower.thickness());
@@ -272,8 +263,8 @@ pub(super) fn check_air(
             let [apart, needed] = [apart, needed].map(|length| significant(1e6 * length, 3));
             let message = format!("faces {apart} um apart are as thick as that: there is no air between them");
             let hint = format!("mount their middle surfaces more than {needed} um apart");
-            mistakes.report_with(&height_path(scenario, 1), message, hint);
-            mistakes.label("air.cushion", "the air");
+            check.report_with(&height_path(scene.scenario, 1), message, hint);
+            check.label("air.cushion", "the air");
         }
     }
     Some(air)

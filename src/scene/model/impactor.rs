@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::exclusions::{self, Body};
 use super::loading::{Impact, Impactors};
-use super::{Guide, Hinge, Impactor, ImpactorShape, Loading, ModelDiagnostics, Part};
+use super::{Check, Guide, Hinge, Impactor, ImpactorShape, Loading, Part};
 use crate::scenario::{self, BodyShape, FrictionPoint, Orientation, Scenario};
 use base::number::significant;
 use membrane::engine::GuideFriction;
@@ -16,102 +16,102 @@ const SHAFT: f64 = 4.0;
 const ACROSS: f64 = 1e-9;
 
 /// The impactors, where the `loading` needs any; empty where it needs none.
-pub fn check(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Impactor>> {
+pub fn check(scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) -> Option<Vec<Impactor>> {
     if loading.impactors() == Impactors::None {
         return Some(vec![]);
     }
-    let all = impactors(scenario, mistakes);
+    let all = impactors(scenario, check);
     if all.is_empty() {
-        mistakes.missing("impactor", format!("`loading.{}` needs an impactor", loading.name()));
+        check.missing("impactor", format!("`loading.{}` needs an impactor", loading.name()));
         return None;
     }
     if let (Impactors::Prescribed, [_, second, ..]) = (loading.impactors(), all.as_slice()) {
         let hint = "give one `[impactor]`, or a `[loading.impact]`";
-        return mistakes.refuse(&second.path, "an indentation has one impactor", hint);
+        return check.refuse(&second.path, "an indentation has one impactor", hint);
     }
-    check_several(&all, loading, mistakes);
+    check_several(&all, loading, check);
     let is_alone = all.len() == 1 && scenario.frame.bars.is_none();
     let check = |written: &Written<'_>| {
         let body = Body { body: written, loading, symmetry: scenario.specimen.symmetry, is_alone };
-        mistakes.exclude(&format!("{}.", written.path), &exclusions::impactor(), &body);
-        check_one(written, loading, mistakes)
+        check.exclude(&format!("{}.", written.path), &exclusions::impactor(), &body);
+        check_one(written, loading, check)
     };
     let checked: Vec<Option<Impactor>> = all.iter().map(check).collect();
     checked.into_iter().collect()
 }
 
-fn check_one(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Impactor> {
-    let guide = guide(written, mistakes);
-    let orientation = rotation(written.orientation.as_ref(), &written.key("orientation"), mistakes);
-    let shape = shape(written, mistakes);
-    let mass = mass(written, loading, mistakes);
+fn check_one(written: &Written<'_>, loading: &Loading, check: &mut Check<'_>) -> Option<Impactor> {
+    let guide = guide(written, check);
+    let orientation = rotation(written.orientation.as_ref(), &written.key("orientation"), check);
+    let shape = shape(written, check);
+    let mass = mass(written, loading, check);
     let guide = guide?;
-    let velocity = velocity(written, loading, guide, mistakes);
+    let velocity = velocity(written, loading, guide, check);
     Some(Impactor {
         name: written.name.clone(),
         shape: shape?,
         mass: mass?,
         guide,
-        guide_friction: guide_friction(written, mistakes),
+        guide_friction: guide_friction(written, check),
         friction: written.friction,
         restitution: written.restitution,
-        inertia: inertia(written, mistakes),
+        inertia: inertia(written, check),
         release: written.at.0,
         position: [0, 1].map(|axis| written.position.get(axis).map_or(0.0, |length| length.0)),
         height: written.position.get(2).map(|length| length.0),
         orientation: orientation?,
         velocity,
-        spin: spin(written, guide, mistakes),
+        spin: spin(written, guide, check),
     })
 }
 
 /// Mass of an impactor that falls; infinite where its motion is prescribed or it is fixed.
-fn mass(written: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<f64> {
+fn mass(written: &Written<'_>, loading: &Loading, check: &mut Check<'_>) -> Option<f64> {
     let key = written.key("mass");
     if loading.impactors() == Impactors::Prescribed {
         return Some(f64::INFINITY);
     }
     if written.guide == Guide::Fixed {
-        if written.mass.is_some() && !mistakes.is_inherited(&key) {
-            mistakes.out_of_place(&key, "a fixed impactor does not move");
+        if written.mass.is_some() && !check.is_inherited(&key) {
+            check.out_of_place(&key, "a fixed impactor does not move");
         }
         return Some(f64::INFINITY);
     }
     if written.mass.is_none() {
-        mistakes.missing(&key, "`loading.impact` needs the mass of what falls");
+        check.missing(&key, "`loading.impact` needs the mass of what falls");
     }
     written.mass.map(|mass| mass.0)
 }
 
 /// The guide with directions of length one.
-fn guide(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Guide> {
+fn guide(written: &Written<'_>, check: &mut Check<'_>) -> Option<Guide> {
     Some(match written.guide {
-        Guide::Line(line) => Guide::Line(direction(line, &written.key("guide.line"), mistakes)?),
+        Guide::Line(line) => Guide::Line(direction(line, &written.key("guide.line"), check)?),
         Guide::Hinge(Hinge { axis, at }) => {
-            Guide::Hinge(Hinge { axis: direction(axis, &written.key("guide.hinge.axis"), mistakes)?, at })
+            Guide::Hinge(Hinge { axis: direction(axis, &written.key("guide.hinge.axis"), check)?, at })
         }
         guide => guide,
     })
 }
 
 /// The unit vector along `written`.
-fn direction(written: [f64; 3], path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
+fn direction(written: [f64; 3], path: &str, check: &mut Check<'_>) -> Option<[f64; 3]> {
     let unit = Vector3::from(written).try_normalize(0.0);
     if unit.is_none() {
-        mistakes.report_with(path, "a direction of no length", "along z it is [0, 0, 1]");
+        check.report_with(path, "a direction of no length", "along z it is [0, 0, 1]");
     }
     unit.map(Into::into)
 }
 
 /// A rotation as an axis times an angle, rad.
-fn rotation(written: Option<&Orientation>, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
+fn rotation(written: Option<&Orientation>, path: &str, check: &mut Check<'_>) -> Option<[f64; 3]> {
     let Some(written) = written else { return Some([0.0; 3]) };
-    let axis = direction(written.axis, &format!("{path}.axis"), mistakes)?;
+    let axis = direction(written.axis, &format!("{path}.axis"), check)?;
     Some(axis.map(|component| component * written.angle.0))
 }
 
 /// Velocity of the centre of mass at the start, which the guide must admit, m/s.
-fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 3] {
+fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, check: &mut Check<'_>) -> [f64; 3] {
     let key = &written.key("velocity");
     let Some(Impact { velocity: downward, .. }) = loading.impact() else { return [0.0; 3] };
     let velocity = written.velocity.map_or([0.0, 0.0, -downward], |velocity| velocity.map(|component| component.0));
@@ -125,7 +125,7 @@ fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &m
     if written.velocity.is_none() && along.z == 0.0 {
         let message = "the speed of `loading.impact` has no direction on a level line";
         let hint = format!("give `{key}`, a vector along the line");
-        mistakes.report_with(&written.key("guide.line"), message, hint);
+        check.report_with(&written.key("guide.line"), message, hint);
     }
     let speed = match written.velocity {
         Some(_) => velocity.dot(&along),
@@ -135,26 +135,26 @@ fn velocity(written: &Written<'_>, loading: &Loading, guide: Guide, mistakes: &m
     if written.velocity.is_some() && (velocity - along * speed).norm() > ACROSS * velocity.norm() {
         let message = "the guide admits no velocity across it";
         let guide = written.key("guide");
-        mistakes.report_with(key, message, format!("set `{guide}` to \"free\", or to the line of flight"));
-        mistakes.label(&guide, "the guide");
+        check.report_with(key, message, format!("set `{guide}` to \"free\", or to the line of flight"));
+        check.label(&guide, "the guide");
     }
     (along * speed).into()
 }
 
 /// Moments of inertia, none of which a body can have above the sum of the other two, kg m².
-fn inertia(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<[f64; 3]> {
+fn inertia(written: &Written<'_>, check: &mut Check<'_>) -> Option<[f64; 3]> {
     let key = &written.key("inertia");
     let moments = written.inertia?.map(|moment| moment.0);
     let [x, y, z] = moments;
     if x > y + z || y > x + z || z > x + y {
         let message = "no body has a moment of inertia above the sum of the other two";
-        mistakes.report_with(key, message, "give those about x, y and z through the centre of mass");
+        check.report_with(key, message, "give those about x, y and z through the centre of mass");
     }
     Some(moments)
 }
 
 /// Angular velocity at the start, rad/s.
-fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 3] {
+fn spin(written: &Written<'_>, guide: Guide, check: &mut Check<'_>) -> [f64; 3] {
     let key = &written.key("spin");
     let Some(spin) = written.spin else { return [0.0; 3] };
     let spin = Vector3::from(spin.map(|component| component.0));
@@ -162,15 +162,15 @@ fn spin(written: &Written<'_>, guide: Guide, mistakes: &mut ModelDiagnostics<'_>
         let axis = Vector3::from(axis);
         if (spin - axis * spin.dot(&axis)).norm() > ACROSS * spin.norm() {
             let message = "the hinge admits no rotation about another axis";
-            mistakes.report_with(key, message, "give a spin along the axis of the hinge");
-            mistakes.label(&written.key("guide.hinge.axis"), "the axis");
+            check.report_with(key, message, "give a spin along the axis of the hinge");
+            check.label(&written.key("guide.hinge.axis"), "the axis");
         }
     }
     spin.into()
 }
 
 /// Friction of the guide of a falling impactor.
-fn guide_friction(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> GuideFriction {
+fn guide_friction(written: &Written<'_>, check: &mut Check<'_>) -> GuideFriction {
     let key = &written.key("guide_friction");
     let Some(friction) = &written.guide_friction else {
         return GuideFriction::default();
@@ -179,18 +179,18 @@ fn guide_friction(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) ->
         if after.0.0 <= before.0.0 {
             let message = "the curve is not increasing in speed";
             let hint = format!("{} follows {}", after.0, before.0);
-            mistakes.report_with(&format!("{key}.curve.{}", index + 1), message, hint);
-            mistakes.label(&format!("{key}.curve.{index}"), "the point before it");
+            check.report_with(&format!("{key}.curve.{}", index + 1), message, hint);
+            check.label(&format!("{key}.curve.{index}"), "the point before it");
         }
     }
     let curve = friction.curve.iter().map(|FrictionPoint(speed, force)| [speed.0, force.0]).collect();
     GuideFriction { constant: friction.constant.0, per_speed: friction.per_speed.0, curve }
 }
 
-fn shape(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<ImpactorShape> {
+fn shape(written: &Written<'_>, check: &mut Check<'_>) -> Option<ImpactorShape> {
     let key = &written.key("shape");
     let parts = match &written.shape {
-        scenario::ImpactorShape::One(shape) => return one(shape, key, mistakes),
+        scenario::ImpactorShape::One(shape) => return one(shape, key, check),
         scenario::ImpactorShape::Compound(compound) => &compound.compound,
     };
     let parts: Vec<Option<Part>> = parts
@@ -198,8 +198,8 @@ fn shape(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<I
         .enumerate()
         .map(|(place, part)| {
             let path = format!("{key}.compound.{place}");
-            let orientation = rotation(part.orientation.as_ref(), &format!("{path}.orientation"), mistakes);
-            let shape = one(&part.shape, &format!("{path}.shape"), mistakes);
+            let orientation = rotation(part.orientation.as_ref(), &format!("{path}.orientation"), check);
+            let shape = one(&part.shape, &format!("{path}.shape"), check);
             Some(Part { shape: shape?, at: part.at.map(|length| length.0), orientation: orientation? })
         })
         .collect();
@@ -207,7 +207,7 @@ fn shape(written: &Written<'_>, mistakes: &mut ModelDiagnostics<'_>) -> Option<I
 }
 
 /// A shape whose table has the key path `path`.
-fn one(written: &BodyShape, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<ImpactorShape> {
+fn one(written: &BodyShape, path: &str, check: &mut Check<'_>) -> Option<ImpactorShape> {
     Some(match written {
         BodyShape::Sphere(round) => ImpactorShape::Sphere { radius: round.radius() },
         BodyShape::Hemisphere { round, length } => {
@@ -217,81 +217,81 @@ fn one(written: &BodyShape, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> 
         BodyShape::Capsule { round, length } => ImpactorShape::Capsule { radius: round.radius(), length: length.0 },
         BodyShape::Cylinder { round, length, edge } => {
             let (radius, length, edge) = (round.radius(), length.0, edge.0);
-            rounded(edge, radius.min(0.5 * length), &format!("{path}.cylinder.edge"), mistakes)?;
+            rounded(edge, radius.min(0.5 * length), &format!("{path}.cylinder.edge"), check)?;
             ImpactorShape::Cylinder { radius, length, edge }
         }
         BodyShape::Cone { round, length, edge } => {
             let (radius, length, edge) = (round.radius(), length.0, edge.0);
             // The radius of the ball that touches flank and flat end all around.
             let largest = radius * length / (radius + radius.hypot(length));
-            rounded(edge, largest, &format!("{path}.cone.edge"), mistakes)?;
+            rounded(edge, largest, &format!("{path}.cone.edge"), check)?;
             ImpactorShape::Cone { radius, length, edge }
         }
         BodyShape::Box { size, edge } => {
             let (size, edge) = (size.map(|length| length.0), edge.0);
             let smallest = size.into_iter().fold(f64::INFINITY, f64::min);
-            rounded(edge, 0.5 * smallest, &format!("{path}.box.edge"), mistakes)?;
+            rounded(edge, 0.5 * smallest, &format!("{path}.box.edge"), check)?;
             ImpactorShape::Box { size, edge }
         }
         BodyShape::Mesh(file) => {
-            let (path, scale) = mistakes.mesh(&format!("{path}.mesh"), file)?;
+            let (path, scale) = check.mesh(&format!("{path}.mesh"), file)?;
             ImpactorShape::Mesh { path, scale }
         }
     })
 }
 
 /// Refuses a radius of the edges beside which no flat face remains.
-fn rounded(edge: f64, largest: f64, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<()> {
+fn rounded(edge: f64, largest: f64, path: &str, check: &mut Check<'_>) -> Option<()> {
     // A size that is refused itself leaves no radius.
     if edge < largest || largest.is_nan() || largest <= 0.0 {
         return Some(());
     }
     let hint = format!("it must be below {} mm", significant(1e3 * largest, 4));
-    mistakes.refuse(path, "this radius is too large", hint)
+    check.refuse(path, "this radius is too large", hint)
 }
 
 /// Names that tell several impactors apart, and releases within the run.
-fn check_several(all: &[Written<'_>], loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
-    names(all, mistakes);
+fn check_several(all: &[Written<'_>], loading: &Loading, check: &mut Check<'_>) {
+    names(all, check);
     let earliest = all.iter().min_by(|a, b| a.at.0.total_cmp(&b.at.0)).filter(|one| one.at.0 > 0.0);
     let earliest = earliest.filter(|_| loading.impactors() == Impactors::Free);
     // Of one whose `at` is to be left out, nothing else about it matters.
     let released_later = all.iter().filter(|one| earliest.is_none_or(|earliest| earliest.path != one.path));
-    released_later.for_each(|one| released(one, loading, mistakes));
+    released_later.for_each(|one| released(one, loading, check));
     if let Some(one) = earliest {
         let message = "no impactor is released at the start";
-        mistakes.report_with(&one.key("at"), message, "the run starts with the first one: leave its `at` out");
+        check.report_with(&one.key("at"), message, "the run starts with the first one: leave its `at` out");
     }
 }
 
-fn names(all: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) {
+fn names(all: &[Written<'_>], check: &mut Check<'_>) {
     for (place, one) in all.iter().enumerate() {
         let key = one.key("name");
         let Some(name) = &one.name else {
             if all.len() > 1 {
-                mistakes.missing(&key, "several impactors have names, with which those of their signals begin");
+                check.missing(&key, "several impactors have names, with which those of their signals begin");
             }
             continue;
         };
         if !is_identifier(name) {
             let hint = "give a letter, then letters, digits and underscores: it is the beginning of names of columns";
-            mistakes.report_with(&key, format!("\"{name}\" is no name of an impactor"), hint);
+            check.report_with(&key, format!("\"{name}\" is no name of an impactor"), hint);
         }
         for earlier in &all[..place] {
             let Some(other) = &earlier.name else { continue };
             let begins = |long: &str, short: &str| long.strip_prefix(short).is_some_and(|rest| rest.starts_with('_'));
             if name == other {
-                mistakes.report(&key, format!("two impactors have the name \"{name}\""));
+                check.report(&key, format!("two impactors have the name \"{name}\""));
             } else if name.eq_ignore_ascii_case(other) {
                 let message = format!("the names \"{name}\" and \"{other}\" differ by case alone");
-                mistakes.report_with(&key, message, "give names that nobody confuses");
+                check.report_with(&key, message, "give names that nobody confuses");
             } else if begins(name, other) || begins(other, name) {
                 let message = format!("columns of \"{name}\" and \"{other}\" cannot be told apart");
-                mistakes.report_with(&key, message, "a name must not begin with another one and an underscore");
+                check.report_with(&key, message, "a name must not begin with another one and an underscore");
             } else {
                 continue;
             }
-            mistakes.label(&earlier.key("name"), "the other impactor");
+            check.label(&earlier.key("name"), "the other impactor");
         }
     }
 }
@@ -305,20 +305,20 @@ fn is_identifier(name: &str) -> bool {
 }
 
 /// A release after the start.
-fn released(one: &Written<'_>, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+fn released(one: &Written<'_>, loading: &Loading, check: &mut Check<'_>) {
     let key = one.key("at");
     let Some(Impact { duration, .. }) = loading.impact() else { return };
     if one.at.0 <= 0.0 || one.guide == Guide::Fixed {
         return;
     }
     if one.at.0 >= *duration {
-        mistakes.report(&key, "the impactor is released after the end of the run");
-        mistakes.label("loading.impact.duration", "the run ends here");
+        check.report(&key, "the impactor is released after the end of the run");
+        check.label("loading.impact.duration", "the run ends here");
     }
     if one.position.len() < 3 {
         let message = "an impactor that is released later needs a height";
         let hint = "give x, y and z: film moves, so that none is in contact with it by itself";
-        mistakes.report_with(&one.key("position"), message, hint);
+        check.report_with(&one.key("position"), message, hint);
     }
 }
 
@@ -345,8 +345,8 @@ impl std::ops::Deref for Written<'_> {
 }
 
 /// All impactors as written: one table, or a list of them.
-pub(in crate::model) fn impactors<'s>(scenario: &'s Scenario, mistakes: &ModelDiagnostics<'_>) -> Vec<Written<'s>> {
-    let is_list = mistakes.is_written("impactor.0");
+pub(in crate::model) fn impactors<'s>(scenario: &'s Scenario, check: &Check<'_>) -> Vec<Written<'s>> {
+    let is_list = check.is_written("impactor.0");
     let path = |place: usize| if is_list { format!("impactor.{place}") } else { "impactor".to_owned() };
     scenario.impactor.iter().enumerate().map(|(place, body)| Written { body, path: path(place) }).collect()
 }

@@ -4,44 +4,45 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
+use super::exclusions::Scene;
 use super::loading::{Impact, Impactors};
-use super::{Face, Guide, Impactor, ImpactorShape, Loading, Model, ModelDiagnostics, Warning};
+use super::{Check, Face, Guide, Impactor, ImpactorShape, Loading, Model, Warning};
 use crate::mesh::{Element, Grading, Outline, Zone, import};
-use crate::scenario::{Around, AroundChoice, Implausible, Meshing, Scenario, Shape};
+use crate::scenario::{Around, AroundChoice, Implausible, Meshing, Shape};
 use base::number::{grouped, rounded, significant};
 
 /// Growth of elements where it is not given: from one element to the next of half its size within two of the latter.
 const GROWTH: f64 = 0.25;
 
 /// Adds the grading of their elements to `faces`; none stays as it is where the keys of it are mistaken.
-pub fn check_grading(
-    scenario: &Scenario,
-    loading: &Loading,
+pub(super) fn check_grading(
+    scene: &Scene<'_>,
     faces: &mut [Face],
     impactors: &[Impactor],
     shape: Option<&Outline>,
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) {
+    let Scene { scenario, loading, .. } = *scene;
     let shared = &scenario.specimen.mesh;
     for (place, face) in faces.iter_mut().enumerate() {
         let own = scenario.layer.get(place).map_or(shared, |layer| &layer.mesh);
         let keys = Keys { own, shared, place };
         let Some(fine) = own.fine.or(shared.fine).map(|fine| fine.0) else {
-            keys.without_fine(mistakes);
+            keys.without_fine(check);
             continue;
         };
         if matches!(scenario.specimen.shape, Shape::Mesh(_)) {
             let why = "an imported mesh has its own element sizes";
-            mistakes.out_of_place(&keys.path("fine", own.fine.is_some()), why);
+            check.out_of_place(&keys.path("fine", own.fine.is_some()), why);
             continue;
         }
         let path = keys.path("fine", own.fine.is_some());
         if fine >= face.meshing.size {
-            mistakes.report_with(&path, "`fine` is not smaller than `size`", "leave it out where all have one size");
-            mistakes.label(&keys.path("size", own.size.is_some()), "the largest edge length");
+            check.report_with(&path, "`fine` is not smaller than `size`", "leave it out where all have one size");
+            check.label(&keys.path("size", own.size.is_some()), "the largest edge length");
             continue;
         }
-        let Some(zones) = keys.zones(loading, face.height, impactors, mistakes) else { continue };
+        let Some(zones) = keys.zones(loading, face.height, impactors, check) else { continue };
         let growth = own.growth.or(shared.growth).unwrap_or(GROWTH);
         let grading = Grading { fine, growth, zones };
         let beside = |zone: &Zone| {
@@ -53,7 +54,7 @@ pub fn check_grading(
             let path =
                 if own.around.or(shared.around).is_some() { keys.path("around", own.around.is_some()) } else { path };
             let hint = "give a place on the film: x and y are measured from its origin";
-            mistakes.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
+            check.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
             continue;
         }
         face.meshing.grading = Some(grading);
@@ -75,7 +76,7 @@ impl Keys<'_> {
     }
 
     /// Keys that are allowed with `fine` only.
-    fn without_fine(&self, mistakes: &mut ModelDiagnostics<'_>) {
+    fn without_fine(&self, check: &mut Check<'_>) {
         let written = |meshing: &Meshing| {
             [
                 ("around", meshing.around.is_some()),
@@ -85,7 +86,7 @@ impl Keys<'_> {
         };
         for ((key, own), (_, shared)) in written(self.own).into_iter().zip(written(self.shared)) {
             if own || shared {
-                mistakes.out_of_place(&self.path(key, own), "`fine` is the edge length there");
+                check.out_of_place(&self.path(key, own), "`fine` is the edge length there");
             }
         }
     }
@@ -96,7 +97,7 @@ impl Keys<'_> {
         loading: &Loading,
         height: f64,
         impactors: &[Impactor],
-        mistakes: &mut ModelDiagnostics<'_>,
+        check: &mut Check<'_>,
     ) -> Option<Vec<Zone>> {
         let (own, shared) = (self.own, self.shared);
         let around = own.around.or(shared.around);
@@ -111,14 +112,14 @@ impl Keys<'_> {
         let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
         debug_assert!(matches!(around, None | Some(Around::Word(AroundChoice::Impactor))));
         if loading.impactors() == Impactors::None {
-            return mistakes.refuse(&path, "this loading has no impactor around which elements could be fine", hint);
+            return check.refuse(&path, "this loading has no impactor around which elements could be fine", hint);
         }
         // A missing impactor is a mistake of its own.
         if impactors.is_empty() {
             return None;
         }
         if impactors.iter().any(|impactor| matches!(impactor.guide, Guide::Hinge(_))) {
-            return mistakes.refuse(&path, "where an impactor on a hinge meets the film is not known", hint);
+            return check.refuse(&path, "where an impactor on a hinge meets the film is not known", hint);
         }
         let zone = |impactor: &Impactor| {
             let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
@@ -192,14 +193,14 @@ const MOTION_BYTES: f64 = 12.0;
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
-pub fn check_size(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
-    files(model, mistakes);
+pub fn check_size(model: &Model, check: &mut Check<'_>) {
+    files(model, check);
     let (mut total, mut film, mut memory) = (0.0, 0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
-        let path = mesh_path(model, place, mistakes);
+        let path = mesh_path(model, place, check);
         if face.meshing.size > largest_side(&model.specimen.shape) {
             let message = "an element is larger than the film";
-            mistakes.report_with(&path, message, "a bare number is in m");
+            check.report_with(&path, message, "a bare number is in m");
             return;
         }
         let elements = elements(model, face);
@@ -213,70 +214,70 @@ pub fn check_size(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
                 significant(memory * 1e-9, 2)
             );
             let fit = total * (MOST_MEMORY - (memory - film)).max(0.0) / film;
-            too_large(&path, message, fit, mistakes);
+            too_large(&path, message, fit, check);
             return;
         }
     }
-    if mistakes.found.0.is_empty() {
-        samples(model, memory + motion(model, memory, mistakes), mistakes);
+    if check.found.0.is_empty() {
+        samples(model, memory + motion(model, memory, check), check);
     }
 }
 
 /// Reports a mesh that is too large, of whose elements so many `fit`, at the sizes that are implausible where there are any: they are its cause.
-fn too_large(path: &str, message: String, fit: f64, mistakes: &mut ModelDiagnostics<'_>) {
+fn too_large(path: &str, message: String, fit: f64, check: &mut Check<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
-    let sizes: Vec<Implausible> = mistakes.document.implausible().into_iter().filter(is_size).collect();
+    let sizes: Vec<Implausible> = check.document.implausible().into_iter().filter(is_size).collect();
     let fit = grouped(rounded(fit, 2) as u64);
     let hint = format!("a run may take {} GB: about {fit} such elements", MOST_MEMORY / 1e9);
     if sizes.is_empty() {
-        return mistakes.report_with(path, message, hint);
+        return check.report_with(path, message, hint);
     }
     for size in sizes {
         let key = size.key.clone();
-        mistakes.report_with(&key, Warning::Value(size).to_string(), format!("{message}; {hint}"));
+        check.report_with(&key, Warning::Value(size).to_string(), format!("{message}; {hint}"));
     }
 }
 
 /// Refuses mesh files that are too large to be read.
-fn files(model: &Model, mistakes: &mut ModelDiagnostics<'_>) {
+fn files(model: &Model, check: &mut Check<'_>) {
     for mesh in model.meshes() {
         let length = length(mesh.path);
         if length > LONGEST_FILE {
             let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);
-            mistakes.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
+            check.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
         }
     }
 }
 
 /// Memory of the recorded motion of a face, bytes; refused where it does not fit beside the rest.
-fn motion(model: &Model, rest: f64, mistakes: &mut ModelDiagnostics<'_>) -> f64 {
+fn motion(model: &Model, rest: f64, check: &mut Check<'_>) -> f64 {
     let Some(motion) = &model.output.motion else { return 0.0 };
     let nodes = model.faces.get(motion.face).map_or(0.0, |face| elements(model, face));
     let memory = motion.times.len() as f64 * nodes * MOTION_BYTES;
     if rest + memory > MOST_MEMORY {
         let message = format!("the film at {} times needs about {:.1} GB of memory", motion.times.len(), memory / 1e9);
         let hint = format!("a run may take {} GB: leave files out", MOST_MEMORY / 1e9);
-        mistakes.report_with("reference.field.times", message, hint);
+        check.report_with("reference.field.times", message, hint);
     }
     memory
 }
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
-fn samples(model: &Model, film: f64, mistakes: &mut ModelDiagnostics<'_>) {
+fn samples(model: &Model, film: f64, check: &mut Check<'_>) {
     let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
         let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
-        mistakes.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+        check.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
     }
 }
 
 /// Key path of the element size of a face.
-fn mesh_path(model: &Model, place: usize, mistakes: &ModelDiagnostics<'_>) -> String {
+fn mesh_path(model: &Model, place: usize, check: &Check<'_>) -> String {
     let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
         Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),
-        _ if mistakes.is_written(&own) => own,
+        _ if check.is_written(&own) => own,
         _ => "specimen.mesh.size".to_owned(),
     }
 }

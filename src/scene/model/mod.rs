@@ -17,7 +17,7 @@ mod warning;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use diagnostics::ModelDiagnostics;
+use diagnostics::Check;
 use exclusions::Scene;
 pub use exclusions::exclusions;
 use serde::{Deserialize, Serialize};
@@ -48,50 +48,51 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// # Errors
 /// All mistakes of the file, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
-    checked(document, document.material(), |written, mistakes| material::check(written, "", mistakes))
+    checked(document, document.material(), |written, check| material::check(written, "", check))
 }
 
 /// The value of what is written in `document`, with the mistakes found in it so far; none of both alone.
 fn checked<W, T>(
     document: &Document,
     (written, mistakes): (Option<W>, Vec<Diagnostic>),
-    check: impl FnOnce(&W, &mut ModelDiagnostics<'_>) -> Option<T>,
+    value: impl FnOnce(&W, &mut Check<'_>) -> Option<T>,
 ) -> Result<T, Vec<Diagnostic>> {
-    let mut mistakes = ModelDiagnostics::new(document, mistakes);
-    match written.and_then(|written| check(&written, &mut mistakes)) {
-        Some(value) if mistakes.found.0.is_empty() => Ok(value),
-        _ => Err(mistakes.into_mistakes()),
+    let mut check = Check::new(document, mistakes);
+    match written.and_then(|written| value(&written, &mut check)) {
+        Some(value) if check.found.0.is_empty() => Ok(value),
+        _ => Err(check.into_mistakes()),
     }
 }
 
 /// Every part is checked before the first missing one ends it.
-fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Model> {
-    let name = mistakes.document.name();
-    let specimen = specimen::check(&scenario.specimen, mistakes);
+fn model(scenario: &Scenario, check: &mut Check<'_>) -> Option<Model> {
+    let name = check.document.name();
+    let specimen = specimen::check(&scenario.specimen, check);
     // Ahead of the parts below, which may be refused or required by its kind.
-    let loading = loading::check(scenario, mistakes);
-    let hold = frame::check_hold(scenario, &loading, mistakes);
-    let refused = mistakes.exclude("", &exclusions::scene(), &Scene { scenario, loading: &loading, hold: &hold });
-    let mut faces = specimen::check_faces(scenario, &loading, mistakes);
-    let frame = frame::check(scenario, hold, specimen.as_ref(), faces.as_deref(), &refused, mistakes);
-    let air = frame::check_air(scenario, &loading, faces.as_deref(), mistakes);
-    let impactors = impactor::check(scenario, &loading, mistakes);
+    let loading = loading::check(scenario, check);
+    let hold = frame::check_hold(scenario, &loading, check);
+    let scene = Scene { scenario, loading: &loading, hold: &hold };
+    let refused = check.exclude("", &exclusions::scene(), &scene);
+    let mut faces = specimen::check_faces(&scene, check);
+    let frame = frame::check(&scene, specimen.as_ref(), faces.as_deref(), &refused, check);
+    let air = frame::check_air(&scene, faces.as_deref(), check);
+    let impactors = impactor::check(scenario, &loading, check);
     let first = impactors.as_deref().unwrap_or_default().first();
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
-    meshing::check_grading(scenario, &loading, graded, all, shape, mistakes);
+    meshing::check_grading(&scene, graded, all, shape, check);
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
-    let mut output = reference::check_output(scenario, &loading, specimen.as_ref(), mistakes);
-    let reference = reference::check(scenario, &loading, specimen.as_ref(), faces.as_deref(), mistakes);
+    let scene = Scene { loading: &loading, ..scene };
+    let mut output = reference::check_output(&scene, specimen.as_ref(), check);
+    let reference = reference::check(&scene, specimen.as_ref(), faces.as_deref(), check);
     if let (Some(field), Some(specimen)) = (reference.as_ref().and_then(|known| known.field.as_ref()), &specimen) {
         output.motion = Some(reference::motion(field, loading.run_time(&specimen.shape)));
     }
-    let post = reference::check_post(scenario, mistakes);
-    let contact =
-        frame::check_contact(scenario, &loading, faces.as_deref(), impactors.as_deref().unwrap_or_default(), mistakes);
+    let post = reference::check_post(scenario, check);
+    let contact = frame::check_contact(&scene, faces.as_deref(), impactors.as_deref().unwrap_or_default(), check);
     if let Some(written) = &scenario.variation {
-        variation::check(written, mistakes);
+        variation::check(written, check);
     }
     let model = Model {
         title: scenario.title.clone().unwrap_or_else(|| name.clone()),
@@ -109,8 +110,8 @@ fn model(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<Mod
         post,
     };
     // Last, since these ask about the whole.
-    meshing::check_size(&model, mistakes);
-    depth::check(&model, mistakes);
+    meshing::check_size(&model, check);
+    depth::check(&model, check);
     Some(model)
 }
 

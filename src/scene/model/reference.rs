@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::exclusions::Scene;
 use super::impactor::{self, Written};
 use super::loading::{Impact, Test};
-use super::{Align, Face, FieldReference, Loading, ModelDiagnostics, Motion, Output, Reference, Specimen, Window};
+use super::{Align, Check, Face, FieldReference, Loading, Motion, Output, Reference, Specimen, Window};
 use crate::scenario::{self, FieldFiles, FieldTimes, Filter, Guide, Marker, Phase, Scenario};
 use base::diagnostic::{closest, shown_path, tidy_path};
 use base::number::duration;
@@ -15,25 +16,25 @@ use lab::dic::{RigidMotion, in_order, read_times};
 const WINDOW: &str = "reference.window";
 
 /// The recording, the field and the window of the errors.
-pub fn check(
-    scenario: &Scenario,
-    loading: &Loading,
+pub(super) fn check(
+    scene: &Scene<'_>,
     specimen: Option<&Specimen>,
     faces: Option<&[Face]>,
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Option<Reference> {
+    let Scene { scenario, loading, .. } = *scene;
     let written = scenario.reference.as_ref()?;
     if written.signals.is_none() && written.field.is_none() {
-        return mistakes.refuse(
+        return check.refuse(
             "reference",
             "there is nothing to compare with",
             "name `reference.signals`, `reference.field`, or both",
         );
     }
     let run_time = specimen.map(|specimen| loading.run_time(&specimen.shape));
-    let field = written.field.as_ref().map(|field| check_field(field, faces, run_time, mistakes));
-    let impactors = impactor::impactors(scenario, mistakes);
-    let place = recorded(written.impactor.as_deref(), &impactors, mistakes);
+    let field = written.field.as_ref().map(|field| check_field(field, faces, run_time, check));
+    let impactors = impactor::impactors(scenario, check);
+    let place = recorded(written.impactor.as_deref(), &impactors, check);
     let recorded = impactors.get(place);
     let why = match recorded.map(|impactor| &impactor.guide) {
         Some(Guide::Fixed | Guide::Line(_) | Guide::Hinge(_)) => {
@@ -45,15 +46,15 @@ pub fn check(
         }),
     };
     if let Some(why) = why.filter(|_| written.signals.is_some()) {
-        mistakes.out_of_place("reference", why);
+        check.out_of_place("reference", why);
     }
     let window = match written.window {
         scenario::Window::Phase(Phase::Loading) => Window::Loading,
         scenario::Window::Phase(Phase::All) => Window::All,
-        scenario::Window::Range(range) => Window::Range(self::range(range, loading, mistakes)),
+        scenario::Window::Range(range) => Window::Range(self::range(range, loading, check)),
     };
     let signals = match written.signals {
-        Some(_) => Some(mistakes.file("reference.signals")?),
+        Some(_) => Some(check.file("reference.signals")?),
         None => None,
     };
     let field = match field {
@@ -81,7 +82,7 @@ pub fn check(
 }
 
 /// Index of the impactor called `name`, the first where none is named.
-fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut ModelDiagnostics<'_>) -> usize {
+fn recorded(name: Option<&str>, impactors: &[Written<'_>], check: &mut Check<'_>) -> usize {
     const KEY: &str = "reference.impactor";
     let Some(name) = name else { return 0 };
     let names = || impactors.iter().filter_map(|impactor| impactor.name.as_deref());
@@ -89,26 +90,26 @@ fn recorded(name: Option<&str>, impactors: &[Written<'_>], mistakes: &mut ModelD
     if place.is_none() {
         let message = format!("there is no impactor \"{name}\"");
         match closest(name, names()) {
-            Some(meant) => mistakes.report_with(KEY, message, format!("did you mean \"{meant}\"?")),
-            None => mistakes.report(KEY, message),
+            Some(meant) => check.report_with(KEY, message, format!("did you mean \"{meant}\"?")),
+            None => check.report(KEY, message),
         }
     }
     place.unwrap_or(0)
 }
 
-fn range([from, to]: [Time; 2], loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> [f64; 2] {
+fn range([from, to]: [Time; 2], loading: &Loading, check: &mut Check<'_>) -> [f64; 2] {
     if from.0 < 0.0 {
-        mistakes.report(&format!("{WINDOW}.0"), "the window starts before first contact");
+        check.report(&format!("{WINDOW}.0"), "the window starts before first contact");
     }
     if to.0 <= from.0 {
-        mistakes.report(&format!("{WINDOW}.1"), "the window ends before it starts");
+        check.report(&format!("{WINDOW}.1"), "the window ends before it starts");
     }
     if let Some(Impact { duration, .. }) = loading.impact()
         && to.0 > *duration
     {
         let message = format!("the window ends after the run, which takes {}", Time(*duration));
-        mistakes.report(&format!("{WINDOW}.1"), message);
-        mistakes.label("loading.impact.duration", "the run ends here");
+        check.report(&format!("{WINDOW}.1"), message);
+        check.label("loading.impact.duration", "the run ends here");
     }
     [from.0, to.0]
 }
@@ -117,30 +118,26 @@ const FILES: &str = "reference.field.files";
 const TIMES: &str = "reference.field.times";
 
 /// The field, of a run that takes so long, s; none without one.
-pub fn check_field(
+fn check_field(
     written: &scenario::FieldReference,
     faces: Option<&[Face]>,
     run_time: Option<f64>,
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Option<FieldReference> {
     let count = faces.map_or(usize::MAX, <[Face]>::len);
     let face = usize::try_from(written.face).unwrap_or(usize::MAX);
     if face > count {
         let faces = if count == 1 { "one face".to_owned() } else { format!("{count} faces") };
-        mistakes.report("reference.field.face", format!("there is no face {face}: the film has {faces}"));
+        check.report("reference.field.face", format!("there is no face {face}: the film has {faces}"));
     }
-    let align = align(&written.align, mistakes);
-    let files = files(&written.files, mistakes)?;
-    let times = times(&written.times, files.len(), mistakes)?;
+    let align = align(&written.align, check);
+    let files = files(&written.files, check)?;
+    let times = times(&written.times, files.len(), check)?;
     if let Some(run_time) = run_time
         && times.iter().all(|time| *time > run_time || *time < 0.0)
     {
         let message = format!("no file was recorded during the run, which takes {}", duration(run_time));
-        mistakes.report_with(
-            TIMES,
-            message,
-            "times are those of the run: zero is its start, first contact of an impact",
-        );
+        check.report_with(TIMES, message, "times are those of the run: zero is its start, first contact of an impact");
     }
     let unit = written.unit.map(scenario::MeshUnit::metres);
     Some(FieldReference { files, times, unit, face: face.saturating_sub(1), align: align? })
@@ -152,7 +149,7 @@ pub fn motion(field: &FieldReference, run_time: f64) -> Motion {
     Motion { face: field.face, times }
 }
 
-fn align(written: &scenario::Align, mistakes: &mut ModelDiagnostics<'_>) -> Option<Align> {
+fn align(written: &scenario::Align, check: &mut Check<'_>) -> Option<Align> {
     let markers = match written {
         scenario::Align::Rigid => return Some(Align::Rigid),
         scenario::Align::None => return Some(Align::None),
@@ -162,7 +159,7 @@ fn align(written: &scenario::Align, mistakes: &mut ModelDiagnostics<'_>) -> Opti
     let pairs: Vec<_> = markers.iter().map(pair).collect();
     if RigidMotion::of_pairs(&pairs).is_none() {
         let hint = "take three markers that form a triangle";
-        return mistakes.refuse(
+        return check.refuse(
             "reference.field.align",
             "the markers lie on a line, so a rotation about it is open",
             hint,
@@ -172,20 +169,20 @@ fn align(written: &scenario::Align, mistakes: &mut ModelDiagnostics<'_>) -> Opti
 }
 
 /// The existing files in their order.
-fn files(written: &FieldFiles, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<PathBuf>> {
+fn files(written: &FieldFiles, check: &mut Check<'_>) -> Option<Vec<PathBuf>> {
     match written {
         FieldFiles::Pattern(_) => {
-            let path = mistakes.document.file(FILES)?;
+            let path = check.document.file(FILES)?;
             match matching(&path) {
                 Ok(files) => Some(in_order(files)),
                 Err(message) => {
-                    mistakes.report(FILES, message);
+                    check.report(FILES, message);
                     None
                 }
             }
         }
         // A list has its own order.
-        FieldFiles::List(list) => (0..list.len()).map(|place| mistakes.file(&format!("{FILES}.{place}"))).collect(),
+        FieldFiles::List(list) => (0..list.len()).map(|place| check.file(&format!("{FILES}.{place}"))).collect(),
     }
 }
 
@@ -211,20 +208,20 @@ fn matching(path: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// A time for every file, s.
-fn times(written: &FieldTimes, files: usize, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<f64>> {
+fn times(written: &FieldTimes, files: usize, check: &mut Check<'_>) -> Option<Vec<f64>> {
     let times = match written {
         FieldTimes::Rate(rate) => {
             return Some((0..files).map(|number| rate.start.0 + number as f64 / rate.rate.0).collect());
         }
         FieldTimes::List(times) => times.iter().map(|time| time.0).collect(),
         FieldTimes::Table(_) => {
-            let path = mistakes.file(TIMES)?;
+            let path = check.file(TIMES)?;
             match read_times(&path) {
                 Ok(times) => times,
                 Err(error) => {
                     match error.hint() {
-                        Some(hint) => mistakes.report_with(TIMES, error.to_string(), hint),
-                        None => mistakes.report(TIMES, error.to_string()),
+                        Some(hint) => check.report_with(TIMES, error.to_string(), hint),
+                        None => check.report(TIMES, error.to_string()),
                     }
                     return None;
                 }
@@ -233,11 +230,11 @@ fn times(written: &FieldTimes, files: usize, mistakes: &mut ModelDiagnostics<'_>
     };
     if times.len() != files {
         let word = if files == 1 { "file" } else { "files" };
-        mistakes.report(TIMES, format!("{} times for {files} {word}", times.len()));
+        check.report(TIMES, format!("{} times for {files} {word}", times.len()));
         return None;
     }
     if let Some(place) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        mistakes.report(&format!("{TIMES}.{}", place + 1), "the times do not increase");
+        check.report(&format!("{TIMES}.{}", place + 1), "the times do not increase");
         return None;
     }
     Some(times)
@@ -256,13 +253,8 @@ const FEWEST_SAMPLES: f64 = 10.0;
 const PATH: &str = "output.sample_rate";
 
 /// Sampling, snapshots, and the class as a number.
-pub fn check_output(
-    scenario: &Scenario,
-    loading: &Loading,
-    specimen: Option<&Specimen>,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Output {
-    let written = &scenario.output;
+pub(super) fn check_output(scene: &Scene<'_>, specimen: Option<&Specimen>, check: &mut Check<'_>) -> Output {
+    let (written, loading) = (&scene.scenario.output, scene.loading);
     let is_filtered = loading.test() == Test::Impact;
     let filter = is_filtered.then(|| written.filter.unwrap_or(Filter::Cfc1000)).and_then(class);
     let sample_rate = written.sample_rate.0;
@@ -272,25 +264,25 @@ pub fn check_output(
         let least = SAMPLES_PER_CLASS_HERTZ * class / 1e3;
         let message = format!("too few samples for the class CFC{class}");
         let hint = format!("at least {least} kHz (ISO 6487), better {} kHz (SAE J211-1)", class / 100.0);
-        mistakes.report_with(PATH, message, hint);
+        check.report_with(PATH, message, hint);
     }
     if let Some(specimen) = specimen {
-        samples(loading, loading.run_time(&specimen.shape), sample_rate, mistakes);
+        samples(loading, loading.run_time(&specimen.shape), sample_rate, check);
     }
     Output { sample_rate, frames: usize::try_from(written.frames).unwrap_or(usize::MAX), filter, motion: None }
 }
 
 /// Refuses too few and too many samples.
-fn samples(loading: &Loading, time: f64, sample_rate: f64, mistakes: &mut ModelDiagnostics<'_>) {
+fn samples(loading: &Loading, time: f64, sample_rate: f64, check: &mut Check<'_>) {
     let samples = time * sample_rate;
-    let path = if mistakes.is_written(PATH) { PATH.to_owned() } else { loading.key(loading.pace()) };
+    let path = if check.is_written(PATH) { PATH.to_owned() } else { loading.key(loading.pace()) };
     let hint = format!("the run takes {}", Time(time));
     if samples > MOST_SAMPLES {
         let message = format!("{samples:.1e} samples exceed the limit of {MOST_SAMPLES:e}");
-        mistakes.report_with(&path, message, hint);
+        check.report_with(&path, message, hint);
     } else if (0.0..FEWEST_SAMPLES).contains(&samples) {
         let message = format!("the run ends before {FEWEST_SAMPLES} samples are taken");
-        mistakes.report_with(&path, message, hint);
+        check.report_with(&path, message, hint);
     }
 }
 
@@ -305,7 +297,7 @@ fn class(filter: Filter) -> Option<f64> {
 }
 
 /// The script that adds to the summary.
-pub fn check_post(scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) -> Option<PathBuf> {
+pub fn check_post(scenario: &Scenario, check: &mut Check<'_>) -> Option<PathBuf> {
     scenario.post.as_ref()?;
-    mistakes.file("post.script")
+    check.file("post.script")
 }

@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::{Face, Loading, ModelDiagnostics, Specimen, Symmetry, material};
+use super::exclusions::Scene;
+use super::{Check, Face, Loading, Specimen, Symmetry, material};
 use crate::mesh::{Element, MeshErrorKind, Meshing, Outline, Polygon, import};
 use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::diagnostic::shown_path;
@@ -13,13 +14,13 @@ use base::units::Length;
 use membrane::material::{Criterion, Curve, Law, LayerBreaks, Material};
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>) -> Option<Specimen> {
+pub fn check(specimen: &scenario::Specimen, check: &mut Check<'_>) -> Option<Specimen> {
     let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius() },
-        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, specimen.symmetry, mistakes)?),
+        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, specimen.symmetry, check)?),
         scenario::Shape::Mesh(file) => {
-            let (path, scale) = mistakes.mesh("specimen.shape.mesh", file)?;
+            let (path, scale) = check.mesh("specimen.shape.mesh", file)?;
             Outline::Mesh { path, scale }
         }
     };
@@ -28,36 +29,36 @@ pub fn check(specimen: &scenario::Specimen, mistakes: &mut ModelDiagnostics<'_>)
 }
 
 /// The outline with its holes, from corners or a drawing.
-fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut ModelDiagnostics<'_>) -> Option<Polygon> {
+fn polygon(written: &scenario::Polygon, symmetry: Symmetry, check: &mut Check<'_>) -> Option<Polygon> {
     const KEY: &str = "specimen.shape.polygon";
     let key = |name: &str| format!("{KEY}.{name}");
     let (path, polygon) = match (&written.file, &written.points) {
         // Neither or both are a mistake that was reported when they were read.
         (None, None) | (Some(_), Some(_)) => return None,
         (None, Some(points)) => {
-            if written.unit.is_some() && !mistakes.is_inherited(&key("unit")) {
-                mistakes.out_of_place(&key("unit"), "corners have their own units");
+            if written.unit.is_some() && !check.is_inherited(&key("unit")) {
+                check.out_of_place(&key("unit"), "corners have their own units");
             }
             let holes = written.holes.iter().map(|hole| corners(hole)).collect();
             (key("points"), Polygon { outer: corners(points), holes })
         }
         (Some(_), None) => {
             // Those of inherited corners go with them.
-            if !written.holes.is_empty() && !mistakes.is_inherited(&key("holes")) {
-                mistakes.out_of_place(&key("holes"), "`file` gives the holes");
+            if !written.holes.is_empty() && !check.is_inherited(&key("holes")) {
+                check.out_of_place(&key("holes"), "`file` gives the holes");
             }
             let path = key("file");
-            let file = mistakes.file(&path)?;
+            let file = check.file(&path)?;
             match import::polygon(&file, written.unit.map(scenario::MeshUnit::metres)) {
                 Ok(polygon) => (path, polygon),
                 Err(fault) => {
                     let message = format!("{}: {fault}", shown_path(&file));
                     match fault.kind {
-                        MeshErrorKind::NoUnit => mistakes.report_with(&path, message, "give it: `unit = \"mm\"`"),
+                        MeshErrorKind::NoUnit => check.report_with(&path, message, "give it: `unit = \"mm\"`"),
                         MeshErrorKind::OtherUnit => {
-                            mistakes.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
+                            check.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
                         }
-                        _ => mistakes.report(&path, message),
+                        _ => check.report(&path, message),
                     }
                     return None;
                 }
@@ -71,7 +72,7 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, mistakes: &mut Model
                 MeshErrorKind::Hole(hole) if written.file.is_none() => key(&format!("holes.{hole}")),
                 _ => path,
             };
-            mistakes.report(&path, fault.to_string());
+            check.report(&path, fault.to_string());
             None
         }
     }
@@ -93,25 +94,26 @@ pub fn is_along_axes(angle: f64) -> bool {
 }
 
 /// The faces; none where a material is missing or no material.
-pub fn check_faces(scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
+pub(super) fn check_faces(scene: &Scene<'_>, check: &mut Check<'_>) -> Option<Vec<Face>> {
+    let Scene { scenario, loading, .. } = *scene;
     let own = scenario.specimen.material.as_ref();
-    let shared = own.map(|written| film(written, "specimen.material", mistakes));
+    let shared = own.map(|written| film(written, "specimen.material", check));
     let mut faces = if scenario.layer.is_empty() {
-        stacked(scenario, shared, mistakes)?
+        stacked(scenario, shared, check)?
     } else {
         let layers = scenario.layer.iter().enumerate();
         let faces: Vec<_> =
-            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), mistakes)).collect();
+            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), check)).collect();
         faces.into_iter().collect::<Option<Vec<Face>>>()?
     };
-    heights(&faces, scenario, loading, mistakes);
+    heights(&faces, scenario, loading, check);
     if let Some(angle) = loading.md_angle() {
         faces.iter_mut().for_each(|face| face.md_angle = angle);
     }
-    rested(&mut faces, scenario, mistakes);
-    mirrored(&faces, scenario, mistakes);
-    prestrained(&faces, scenario, mistakes);
-    taut(&faces, scenario, loading, mistakes);
+    rested(&mut faces, scenario, check);
+    mirrored(&faces, scenario, check);
+    prestrained(&faces, scenario, check);
+    taut(&faces, scenario, loading, check);
     Some(faces)
 }
 
@@ -179,10 +181,10 @@ fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
     LayerBreaks::new(factors).unwrap_or_default()
 }
 
-fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<Film> {
-    let material = material::check(written, path, mistakes)?;
+fn film(written: &scenario::Material, path: &str, check: &mut Check<'_>) -> Option<Film> {
+    let material = material::check(written, path, check)?;
     let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
-    let relaxed = relaxed(written, path, mistakes);
+    let relaxed = relaxed(written, path, check);
     let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|fibre| fibre.break_factor != 1.0);
     let break_is_moved = written.fabric.as_ref().is_some_and(moves);
     let unsourced_coupling =
@@ -191,34 +193,34 @@ fn film(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostic
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
-fn relaxed(written: &scenario::Material, path: &str, mistakes: &mut ModelDiagnostics<'_>) -> Option<[Curve; 2]> {
+fn relaxed(written: &scenario::Material, path: &str, check: &mut Check<'_>) -> Option<[Curve; 2]> {
     let fabric = written.fabric.as_ref().filter(|fabric| fabric.mounting == MountingCurve::QuasiStatic)?;
     if fabric.md.rates.is_some() || fabric.td.rates.is_some() {
         let why = "film with `rates` is mounted at the slowest of them";
-        mistakes.out_of_place(&format!("{path}.fabric.mounting"), why);
+        check.out_of_place(&format!("{path}.fabric.mounting"), why);
         return None;
     }
     if fabric.biaxial > 0.0 {
         let message = "film with `biaxial` cannot be mounted at its quasi-static curves";
-        mistakes.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
-        mistakes.label(&format!("{path}.fabric.biaxial"), "the coupling");
+        check.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
+        check.label(&format!("{path}.fabric.biaxial"), "the coupling");
         return None;
     }
     let mut unscaled = written.clone();
     let fabric = unscaled.fabric.as_mut()?;
     (fabric.scale, fabric.md.scale, fabric.td.scale) = (Scale::default(), None, None);
-    match material::check(&unscaled, path, mistakes)?.law {
+    match material::check(&unscaled, path, check)?.law {
         Law::Fabric(fabric) => Some([fabric.md().clone(), fabric.td().clone()]),
         _ => None,
     }
 }
 
 /// The faces of `[layers]`, which differ in height only.
-fn stacked(scenario: &Scenario, film: Option<Option<Film>>, mistakes: &mut ModelDiagnostics<'_>) -> Option<Vec<Face>> {
+fn stacked(scenario: &Scenario, film: Option<Option<Film>>, check: &mut Check<'_>) -> Option<Vec<Face>> {
     if film.is_none() {
-        mistakes.missing("specimen.material", "what one layer is made of");
+        check.missing("specimen.material", "what one layer is made of");
     }
-    let meshing = meshing(scenario, None, "specimen.mesh.size", mistakes);
+    let meshing = meshing(scenario, None, "specimen.mesh.size", check);
     let (film, meshing) = (film??, meshing?);
     let fallback = Layers::default();
     let Layers { count, faces, prestrain, settle } = scenario.layers.as_ref().unwrap_or(&fallback);
@@ -238,28 +240,23 @@ fn single(
     layer: &Layer,
     place: usize,
     shared: Option<&Option<Film>>,
-    mistakes: &mut ModelDiagnostics<'_>,
+    check: &mut Check<'_>,
 ) -> Option<Face> {
     let path = |key: &str| format!("layer.{place}.{key}");
     let film = match (&layer.material, shared) {
-        (Some(written), _) => film(written, &path("material"), mistakes),
+        (Some(written), _) => film(written, &path("material"), check),
         (None, Some(shared)) => shared.clone(),
         (None, None) => {
-            mistakes.missing(&path("material"), "or give `specimen.material` for all layers");
+            check.missing(&path("material"), "or give `specimen.material` for all layers");
             None
         }
     };
-    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), mistakes);
+    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), check);
     Some(film?.face(scenario, layer, meshing?))
 }
 
 /// The meshing of a face: its own keys, then those of the specimen.
-fn meshing(
-    scenario: &Scenario,
-    layer: Option<&Layer>,
-    path: &str,
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Option<Meshing> {
+fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, check: &mut Check<'_>) -> Option<Meshing> {
     let shared = &scenario.specimen.mesh;
     let own = layer.map_or(shared, |layer| &layer.mesh);
     let element = own.element.or(shared.element);
@@ -269,15 +266,15 @@ fn meshing(
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
-            let path = if mistakes.is_written(path) { path } else { "specimen.mesh.size" };
+            let path = if check.is_written(path) { path } else { "specimen.mesh.size" };
             // A key of the base scenario cannot be deleted here, only unset.
-            let inherited = mistakes.is_inherited(path);
+            let inherited = check.is_inherited(path);
             let remedy = if inherited { "; `unset = [\"specimen.mesh.size\"]` leaves it out" } else { "" };
-            mistakes.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
+            check.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
             return None;
         }
         (None, false) => {
-            mistakes.missing(path, "the edge length of an element, like \"10 mm\"");
+            check.missing(path, "the edge length of an element, like \"10 mm\"");
             return None;
         }
     };
@@ -294,28 +291,28 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
 
-fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) {
     if let Some(message) = loading.refuses_faces().filter(|_| faces.len() > 1) {
-        mistakes.report(&height_path(scenario, 1), message);
+        check.report(&height_path(scenario, 1), message);
     }
     for (place, pair) in faces.windows(2).enumerate() {
         let path = height_path(scenario, place + 1);
         if pair[1].height == pair[0].height {
-            mistakes.report(&path, "two faces have the same height");
-            mistakes.label(&height_path(scenario, place), "the other face");
+            check.report(&path, "two faces have the same height");
+            check.label(&height_path(scenario, place), "the other face");
         } else if pair[1].height > pair[0].height {
-            mistakes.report_with(
+            check.report_with(
                 &path,
                 "the faces are not ordered from the highest to the lowest",
                 "the impactor comes from above, so the first face is the highest",
             );
-            mistakes.label(&height_path(scenario, place), "the face before it");
+            check.label(&height_path(scenario, place), "the face before it");
         }
     }
 }
 
 /// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
-fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut ModelDiagnostics<'_>) {
+fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) {
     if !loading.is_by_gas() {
         return;
     }
@@ -324,17 +321,17 @@ fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, mistakes: &mut M
             if prestrain < 0.0 {
                 let path = format!("{}.prestrain.{key}", face_path(scenario, place));
                 let hint = "nothing resists the pressure until the film is taut; use a pre-strain of at least 0";
-                mistakes.report_with(&path, "pressure on film that is wrinkled at the start", hint);
+                check.report_with(&path, "pressure on film that is wrinkled at the start", hint);
             }
         }
     }
 }
 
 /// Lets viscous film rest between mounting and loading.
-fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+fn rested(faces: &mut [Face], scenario: &Scenario, check: &mut Check<'_>) {
     let Some(rest) = scenario.specimen.rest else { return };
     if faces.iter().all(|face| face.material.viscosity.is_none()) {
-        mistakes.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
+        check.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
     }
     for face in faces {
         face.material.viscosity = face.material.viscosity.take().map(|viscosity| viscosity.rested(rest.0));
@@ -342,18 +339,18 @@ fn rested(faces: &mut [Face], scenario: &Scenario, mistakes: &mut ModelDiagnosti
 }
 
 /// Pre-strain must not break the film.
-fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+fn prestrained(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
         let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
         let stress = face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]]);
         if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress.is_finite()) {
             let message = "pre-strain stretches the film beyond the limit of its law";
-            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
+            check.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
             continue;
         }
         if let Some(message) = torn(face) {
-            mistakes.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
+            check.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
             continue;
         }
         // A limit that is no limit has its own mistake.
@@ -370,8 +367,8 @@ fn prestrained(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnost
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
             let path = format!("{path}.prestrain.{key}");
             match written_material(scenario, place).and_then(|written| scaled_break(written, key)) {
-                Some(hint) => mistakes.report_with(&path, message, hint),
-                None => mistakes.report(&path, message),
+                Some(hint) => check.report_with(&path, message, hint),
+                None => check.report(&path, message),
             }
         }
     }
@@ -418,21 +415,21 @@ fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
 }
 
 /// With mirror planes, fibres lie along the axes.
-fn mirrored(faces: &[Face], scenario: &Scenario, mistakes: &mut ModelDiagnostics<'_>) {
+fn mirrored(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
     if scenario.specimen.symmetry == Symmetry::None {
         return;
     }
     let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
     let Some(place) = oblique else { return };
     let own = format!("layer.{place}.md_angle");
-    let path = if mistakes.is_written(&own) {
+    let path = if check.is_written(&own) {
         own
-    } else if mistakes.is_written("specimen.md_angle") {
+    } else if check.is_written("specimen.md_angle") {
         "specimen.md_angle".to_owned()
     } else {
         "loading.stretch.direction".to_owned()
     };
-    mistakes.report_with(
+    check.report_with(
         &path,
         "oblique fibres have no mirror planes",
         "set `specimen.symmetry` to \"none\", or rotate MD to a multiple of 90 deg",

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::super::ModelDiagnostics;
+use super::super::Check;
 use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::units::{Dimension, percentage};
@@ -69,7 +69,7 @@ impl Factor {
     }
 
     /// Reads the values of a key.
-    pub(super) fn read(key: &VariedKey, mistakes: &mut ModelDiagnostics<'_>) -> Option<Factor> {
+    pub(super) fn read(key: &VariedKey, check: &mut Check<'_>) -> Option<Factor> {
         // The grammar reports these.
         let rule = key.rule().ok().filter(|_| key.validate().is_empty())?;
         let number = rule.number();
@@ -82,7 +82,7 @@ impl Factor {
         match values {
             Ok(values) => Some(Factor { path: key.path.clone(), span: key.span.clone(), dimension, values }),
             Err(message) => {
-                mistakes.found.0.push(Diagnostic::new(message).at(&key.node.span));
+                check.found.0.push(Diagnostic::new(message).at(&key.node.span));
                 None
             }
         }
@@ -254,19 +254,19 @@ impl fmt::Display for Values {
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the table in `path`, which the scenario names at `named`.
-pub(super) fn read(path: &Path, named: &Span, mistakes: &mut ModelDiagnostics<'_>) -> Vec<Factor> {
-    let before = mistakes.found.0.len();
-    match columns(path, named, mistakes) {
-        Ok(_) if mistakes.found.0.len() > before => vec![],
+pub(super) fn read(path: &Path, named: &Span, check: &mut Check<'_>) -> Vec<Factor> {
+    let before = check.found.0.len();
+    match columns(path, named, check) {
+        Ok(_) if check.found.0.len() > before => vec![],
         Ok(factors) => factors,
         Err(mistake) => {
-            mistakes.found.0.push(mistake);
+            check.found.0.push(mistake);
             vec![]
         }
     }
 }
 
-fn columns(path: &Path, named: &Span, mistakes: &mut ModelDiagnostics<'_>) -> Result<Vec<Factor>, Diagnostic> {
+fn columns(path: &Path, named: &Span, check: &mut Check<'_>) -> Result<Vec<Factor>, Diagnostic> {
     let refused = |why: String| Diagnostic::new(format!("cannot read {}: {why}", shown_path(path))).at(named);
     let text = file::read_text(path, MOST_BYTES).map_err(|error| refused(error.to_string()))?;
     let source = Source::file(path, text);
@@ -290,10 +290,10 @@ fn columns(path: &Path, named: &Span, mistakes: &mut ModelDiagnostics<'_>) -> Re
         let node = Node::new(Value::List(items.collect()), head.clone());
         match key(label, &head, node) {
             Ok(key) => {
-                mistakes.found.0.extend(key.validate());
-                factors.extend(Factor::read(&key, mistakes));
+                check.found.0.extend(key.validate());
+                factors.extend(Factor::read(&key, check));
             }
-            Err(mistake) => mistakes.found.0.push(mistake),
+            Err(mistake) => check.found.0.push(mistake),
         }
     }
     Ok(factors)

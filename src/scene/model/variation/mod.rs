@@ -2,7 +2,7 @@
 
 mod factor;
 
-use super::ModelDiagnostics;
+use super::{Check, checked};
 use crate::scenario::{self, Assignment, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
@@ -52,46 +52,46 @@ impl Variation {
 /// # Errors
 /// All mistakes of the table, at once.
 pub fn variation(document: &Document) -> Result<Option<Variation>, Vec<Diagnostic>> {
-    let (written, mistakes) = document.scenario();
-    let mut mistakes = ModelDiagnostics::new(document, mistakes);
-    let found = written.and_then(|scenario| scenario.variation).and_then(|written| check(&written, &mut mistakes));
-    if mistakes.found.0.is_empty() { Ok(found) } else { Err(mistakes.into_mistakes()) }
+    checked(document, document.scenario(), |scenario, found| {
+        // None where there is no table, or with its mistakes.
+        Some(scenario.variation.as_ref().and_then(|written| check(written, found)))
+    })
 }
 
 /// Checks the table as written.
-pub(super) fn check(written: &scenario::Variation, mistakes: &mut ModelDiagnostics<'_>) -> Option<Variation> {
-    let before = mistakes.found.0.len();
-    let keys = mistakes.document.varied_keys();
+pub(super) fn check(written: &scenario::Variation, check: &mut Check<'_>) -> Option<Variation> {
+    let before = check.found.0.len();
+    let keys = check.document.varied_keys();
     let factors = match &written.method {
         Some(Method::Table(_)) => {
             if let Some(key) = keys.first() {
                 let mistake = Diagnostic::new(format!("`{}` varies by the table", key.path)).at(&key.span);
-                mistakes.found.0.push(mistake.hint("leave it out, or leave `method` out"));
+                check.found.0.push(mistake.hint("leave it out, or leave `method` out"));
             }
-            let file = mistakes.file("variation.method.table")?;
-            let span = mistakes.document.span("variation.method.table");
-            factor::read(&file, &span, mistakes)
+            let file = check.file("variation.method.table")?;
+            let span = check.document.span("variation.method.table");
+            factor::read(&file, &span, check)
         }
         _ => {
-            let factor = |key| Factor::read(key, &mut *mistakes);
+            let factor = |key| Factor::read(key, &mut *check);
             keys.iter().filter_map(factor).collect()
         }
     };
-    repeated(&factors, mistakes);
-    if factors.is_empty() && keys.is_empty() && mistakes.found.0.len() == before {
-        mistakes.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
+    repeated(&factors, check);
+    if factors.is_empty() && keys.is_empty() && check.found.0.len() == before {
+        check.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
     }
-    let method = method(written, &factors, mistakes);
-    let correlation = written.correlation.as_ref().and_then(|written| correlation(written, &factors, mistakes));
+    let method = method(written, &factors, check);
+    let correlation = written.correlation.as_ref().and_then(|written| correlation(written, &factors, check));
     let samples = written.samples.map(|samples| samples as usize);
-    if mistakes.found.0.len() > before {
+    if check.found.0.len() > before {
         return None;
     }
     Some(Variation { factors, method, samples, seed: written.seed, correlation })
 }
 
 /// A key that varies twice, or of which a part varies too.
-fn repeated(factors: &[Factor], mistakes: &mut ModelDiagnostics<'_>) {
+fn repeated(factors: &[Factor], check: &mut Check<'_>) {
     for (place, factor) in factors.iter().enumerate() {
         let is_part = |inner: &str, whole: &str| inner.strip_prefix(whole).is_some_and(|rest| rest.starts_with('.'));
         let other = factors[..place].iter().find(|other| {
@@ -99,13 +99,13 @@ fn repeated(factors: &[Factor], mistakes: &mut ModelDiagnostics<'_>) {
         });
         if let Some(other) = other {
             let mistake = Diagnostic::new(format!("`{}` varies already", factor.path)).at(&factor.span);
-            mistakes.found.0.push(mistake.label(&other.span, "here"));
+            check.found.0.push(mistake.label(&other.span, "here"));
         }
     }
 }
 
 /// The method, which must suit the values of the keys.
-fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut ModelDiagnostics<'_>) -> Method {
+fn method(written: &scenario::Variation, factors: &[Factor], check: &mut Check<'_>) -> Method {
     let continuous = factors.iter().find(|factor| matches!(factor.values, Values::Distribution(_)));
     match (&written.method, continuous) {
         (None, None) => Method::Grid,
@@ -113,12 +113,12 @@ fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut Mode
         (Some(Method::Grid), Some(factor)) => {
             let message =
                 format!("a grid needs a list or a range of every key, and `{}` has a distribution", factor.path);
-            mistakes.report_with(METHOD, message, "write { range = [low, high], count = 5 }, or another method");
+            check.report_with(METHOD, message, "write { range = [low, high], count = 5 }, or another method");
             Method::Grid
         }
         (Some(method), _) => {
             if let (Method::Grid | Method::Table(_), Some(_)) = (method, written.samples) {
-                mistakes.out_of_place("variation.samples", "a grid and a table have the runs that they list");
+                check.out_of_place("variation.samples", "a grid and a table have the runs that they list");
             }
             method.clone()
         }
@@ -126,20 +126,16 @@ fn method(written: &scenario::Variation, factors: &[Factor], mistakes: &mut Mode
 }
 
 /// The correlation of all factors; those that are not named are independent.
-fn correlation(
-    written: &scenario::Correlation,
-    factors: &[Factor],
-    mistakes: &mut ModelDiagnostics<'_>,
-) -> Option<Correlation> {
+fn correlation(written: &scenario::Correlation, factors: &[Factor], check: &mut Check<'_>) -> Option<Correlation> {
     let mut places = Vec::new();
     for (row, key) in written.keys.iter().enumerate() {
         let at = format!("{CORRELATION}.keys.{row}");
         match factors.iter().position(|factor| factor.path == *key) {
-            None => mistakes.report(&at, format!("`{key}` does not vary")),
+            None => check.report(&at, format!("`{key}` does not vary")),
             Some(place) if matches!(factors[place].values, Values::Levels(_)) => {
-                mistakes.report_with(&at, format!("`{key}` has no distribution"), "a list cannot be correlated");
+                check.report_with(&at, format!("`{key}` has no distribution"), "a list cannot be correlated");
             }
-            Some(place) if places.contains(&place) => mistakes.report(&at, format!("`{key}` is named twice")),
+            Some(place) if places.contains(&place) => check.report(&at, format!("`{key}` is named twice")),
             Some(place) => places.push(place),
         }
     }
@@ -148,7 +144,7 @@ fn correlation(
     }
     let count = places.len();
     if written.matrix.len() != count || written.matrix.iter().any(|row| row.len() != count) {
-        mistakes.report(&format!("{CORRELATION}.matrix"), format!("expected {count} rows of {count} coefficients"));
+        check.report(&format!("{CORRELATION}.matrix"), format!("expected {count} rows of {count} coefficients"));
         return None;
     }
     let mut whole = vec![vec![0.0; factors.len()]; factors.len()];
@@ -158,7 +154,7 @@ fn correlation(
             whole[*row][*column] = *coefficient;
         }
     }
-    let refused = |error: uncertainty::Error| mistakes.report(&format!("{CORRELATION}.matrix"), error.to_string());
+    let refused = |error: uncertainty::Error| check.report(&format!("{CORRELATION}.matrix"), error.to_string());
     Correlation::new(&whole).map_err(refused).ok()
 }
 
