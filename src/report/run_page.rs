@@ -15,7 +15,7 @@ use lab::signal::{Channel, Recording, Series};
 use membrane::material::{self, Law, RateCurves};
 use plot::{Curve, Plot, TIME, thinned};
 use scene::model::{Model, Window};
-use scene::scenario::{Assumption, assumptions};
+use scene::scenario::{Assumption, Phase, assumptions};
 use scene::simulate::Outcome;
 use study::post::{self, COST, HEADER, ReferenceComparison, Results};
 use study::store::run_files::{RUN_FILES, SNAPSHOTS};
@@ -157,9 +157,9 @@ fn reference(run: &RunPage) -> String {
         return String::new();
     };
     let [from, to] = comparison.window;
-    let window = match reference.window {
-        Window::Loading => "loading",
-        Window::All => "the whole recording",
+    let window = match reference.written.window {
+        Window::Phase(Phase::Loading) => "loading",
+        Window::Phase(Phase::All) => "the whole recording",
         Window::Range(_) => "as given",
     };
     let mut files = reference.files();

@@ -9,6 +9,7 @@ use droptower::mesh::{Element, Outline, Side};
 use droptower::model::loading::Impact;
 use droptower::model::{self, Hold, ImpactorShape, Loading, Model, Symmetry, Window};
 use droptower::scenario::{Assignment, Document};
+use droptower::units::Time;
 
 use crate::verification::tower::checked;
 
@@ -103,7 +104,8 @@ fn defaults_are_filled_in() {
     assert_eq!(impactor.shape, ImpactorShape::Hemisphere { radius: 0.01905, length: 4.0 * 0.01905 });
     assert_eq!(dart.loading.impact().expect("an impact").velocity, (2.0 * 9.81 * 0.66_f64).sqrt());
     assert_eq!(dart.output.filter, Some(1000.0));
-    assert_eq!(dart.reference.map(|reference| reference.window), Some(Window::Range([0.0, 0.01])));
+    let window = Window::Range([Time(0.0), Time(0.01)]);
+    assert_eq!(dart.reference.map(|reference| reference.written.window), Some(window));
 }
 
 #[test]

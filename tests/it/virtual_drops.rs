@@ -180,7 +180,7 @@ fn shipped_scenarios_agree_with_their_recordings() {
 #[test]
 fn a_reference_without_laser_and_height_is_reduced_with_the_speed_of_the_run() {
     let mut model = coarse("1509");
-    model.reference.as_mut().expect("a reference").drop_height = None;
+    model.reference.as_mut().expect("a reference").written.drop_height = None;
     let with_speed = |speed: f64| {
         let mut model = model.clone();
         model.impactors[0].velocity[2] = -speed;

@@ -26,6 +26,11 @@ impl<'d> Check<'d> {
         self.found.report_with(&self.document.span(path), message, hint);
     }
 
+    /// A mistake in the value at the key path, and what to write instead, where that is known.
+    pub fn report_if_known(&mut self, path: &str, message: impl Into<String>, hint: Option<String>) {
+        self.found.0.push(Diagnostic::new(message).at(&self.document.span(path)).hint_if(hint));
+    }
+
     /// A mistake as [`report_with`](Self::report_with) has it, in place of a value.
     pub fn refuse<T>(&mut self, path: &str, message: impl Into<String>, hint: impl Into<String>) -> Option<T> {
         self.report_with(path, message, hint);

@@ -23,8 +23,8 @@ pub use exclusions::exclusions;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::{Meshing, Outline, Side};
-pub use crate::scenario::{Air, Clamp, Contact, Guide, Hinge, Solver, Springs, Symmetry};
-use crate::scenario::{Document, Scenario};
+use crate::scenario::{self, Document, Scenario};
+pub use crate::scenario::{Air, Align, Clamp, Contact, Guide, Hinge, Solver, Springs, Symmetry, Window};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::file::Digest;
 use base::number::{duration, significant};
@@ -441,34 +441,12 @@ pub struct Motion {
 /// What the run is compared with, measured or virtual: signals, a displacement field, or both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
+    /// Its keys as written, without `signals` and `field`, which are below.
+    pub written: scenario::Reference,
     /// Index of the impactor that it was recorded of.
     pub impactor: usize,
     /// Signals from first contact on (`time_s` with `acceleration_m_s2` and/or `displacement_m`), or a raw recording.
     pub signals: Option<PathBuf>,
-    /// Accelerometer of a raw recording; where none is named, its only acceleration.
-    pub acceleration: Option<String>,
-    /// Whether the accelerometer reads a deceleration as negative.
-    pub invert: bool,
-    /// Laser of a raw recording; where none is named, its only length.
-    pub displacement: Option<String>,
-    /// Drop height of a raw recording and its standard deviation, m.
-    pub drop_height: Option<f64>,
-    /// As above.
-    pub height_error: Option<f64>,
-    /// Impact speed of a raw recording where it is known, m/s, positive.
-    pub speed: Option<f64>,
-    /// Standard deviation of that speed, or of the impact speed of signals that count from first contact, m/s.
-    pub speed_error: Option<f64>,
-    /// Time of first contact on the clock of a raw recording where it is known, s.
-    pub contact_time: Option<f64>,
-    /// Standard deviation of that time, or of the first contact of signals that count from it, s.
-    pub contact_error: Option<f64>,
-    /// Time constant of the coupling of the accelerometer where it is known, s.
-    pub time_constant: Option<f64>,
-    /// Friction of the guide and its standard deviation where they are known, N.
-    pub guide_friction: Option<[f64; 2]>,
-    /// Window of the errors.
-    pub window: Window,
     /// Displacement field of a face.
     pub field: Option<FieldReference>,
 }
@@ -493,28 +471,6 @@ pub struct FieldReference {
     pub face: usize,
     /// How it is brought into the axes of the run.
     pub align: Align,
-}
-
-/// How a field is brought into the axes of the run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Align {
-    /// By a rigid motion that is found.
-    Rigid,
-    /// It is in them.
-    None,
-    /// By the rigid motion that brings the first of each pair of points closest to the second, m.
-    Markers(Vec<[[f64; 3]; 2]>),
-}
-
-/// Window of the errors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Window {
-    /// From first contact to the largest displacement of the reference.
-    Loading,
-    /// The whole recording.
-    All,
-    /// From, to; s.
-    Range([f64; 2]),
 }
 
 impl Impactor {

@@ -7,7 +7,7 @@ use super::exclusions::Scene;
 use super::impactor::{self, Written};
 use super::loading::{Impact, Test};
 use super::{Align, Check, Face, FieldReference, Loading, Motion, Output, Reference, Specimen, Window};
-use crate::scenario::{self, FieldFiles, FieldTimes, Filter, Guide, Marker, Phase, Scenario};
+use crate::scenario::{self, FieldFiles, FieldTimes, Filter, Guide, Marker, Scenario};
 use base::diagnostic::{closest, shown_path, tidy_path};
 use base::number::duration;
 use base::units::Time;
@@ -48,11 +48,9 @@ pub(super) fn check(
     if let Some(why) = why.filter(|_| written.signals.is_some()) {
         check.out_of_place("reference", why);
     }
-    let window = match written.window {
-        scenario::Window::Phase(Phase::Loading) => Window::Loading,
-        scenario::Window::Phase(Phase::All) => Window::All,
-        scenario::Window::Range(range) => Window::Range(self::range(range, loading, check)),
-    };
+    if let Window::Range(range) = written.window {
+        check_window(range, loading, check);
+    }
     let signals = match written.signals {
         Some(_) => Some(check.file("reference.signals")?),
         None => None,
@@ -61,24 +59,8 @@ pub(super) fn check(
         Some(field) => Some(field?),
         None => None,
     };
-    let (acceleration, displacement) = (written.acceleration.clone(), written.displacement.clone());
-    Some(Reference {
-        impactor: place,
-        signals,
-        acceleration,
-        invert: written.invert,
-        displacement,
-        drop_height: written.drop_height.map(|height| height.0),
-        height_error: written.height_error.map(|error| error.0),
-        speed: written.speed.map(|speed| speed.0),
-        speed_error: written.speed_error.map(|error| error.0),
-        contact_time: written.contact_time.map(|time| time.0),
-        contact_error: written.contact_error.map(|error| error.0),
-        time_constant: written.time_constant.map(|time| time.0),
-        guide_friction: written.guide_friction.map(|friction| friction.map(|force| force.0)),
-        window,
-        field,
-    })
+    let written = scenario::Reference { signals: None, field: None, ..written.clone() };
+    Some(Reference { written, impactor: place, signals, field })
 }
 
 /// Index of the impactor called `name`, the first where none is named.
@@ -88,16 +70,14 @@ fn recorded(name: Option<&str>, impactors: &[Written<'_>], check: &mut Check<'_>
     let names = || impactors.iter().filter_map(|impactor| impactor.name.as_deref());
     let place = impactors.iter().position(|impactor| impactor.name.as_deref() == Some(name));
     if place.is_none() {
-        let message = format!("there is no impactor \"{name}\"");
-        match closest(name, names()) {
-            Some(meant) => check.report_with(KEY, message, format!("did you mean \"{meant}\"?")),
-            None => check.report(KEY, message),
-        }
+        let meant = closest(name, names()).map(|meant| format!("did you mean \"{meant}\"?"));
+        check.report_if_known(KEY, format!("there is no impactor \"{name}\""), meant);
     }
     place.unwrap_or(0)
 }
 
-fn range([from, to]: [Time; 2], loading: &Loading, check: &mut Check<'_>) -> [f64; 2] {
+/// The window lies within the run.
+fn check_window([from, to]: [Time; 2], loading: &Loading, check: &mut Check<'_>) {
     if from.0 < 0.0 {
         check.report(&format!("{WINDOW}.0"), "the window starts before first contact");
     }
@@ -111,7 +91,6 @@ fn range([from, to]: [Time; 2], loading: &Loading, check: &mut Check<'_>) -> [f6
         check.report(&format!("{WINDOW}.1"), message);
         check.label("loading.impact.duration", "the run ends here");
     }
-    [from.0, to.0]
 }
 
 const FILES: &str = "reference.field.files";
@@ -130,7 +109,7 @@ fn check_field(
         let faces = if count == 1 { "one face".to_owned() } else { format!("{count} faces") };
         check.report("reference.field.face", format!("there is no face {face}: the film has {faces}"));
     }
-    let align = align(&written.align, check);
+    let is_aligned = check_align(&written.align, check);
     let files = files(&written.files, check)?;
     let times = times(&written.times, files.len(), check)?;
     if let Some(run_time) = run_time
@@ -139,8 +118,8 @@ fn check_field(
         let message = format!("no file was recorded during the run, which takes {}", duration(run_time));
         check.report_with(TIMES, message, "times are those of the run: zero is its start, first contact of an impact");
     }
-    let unit = written.unit.map(scenario::MeshUnit::metres);
-    Some(FieldReference { files, times, unit, face: face.saturating_sub(1), align: align? })
+    let (unit, align) = (written.unit.map(scenario::MeshUnit::metres), written.align.clone());
+    is_aligned.then_some(FieldReference { files, times, unit, face: face.saturating_sub(1), align })
 }
 
 /// The motion of its face that a run of so long (s) records for the comparison with a field.
@@ -149,23 +128,16 @@ pub fn motion(field: &FieldReference, run_time: f64) -> Motion {
     Motion { face: field.face, times }
 }
 
-fn align(written: &scenario::Align, check: &mut Check<'_>) -> Option<Align> {
-    let markers = match written {
-        scenario::Align::Rigid => return Some(Align::Rigid),
-        scenario::Align::None => return Some(Align::None),
-        scenario::Align::Markers(markers) => markers,
-    };
-    let pair = |marker: &Marker| [marker.field, marker.film].map(|place| place.map(|length| length.0));
-    let pairs: Vec<_> = markers.iter().map(pair).collect();
-    if RigidMotion::of_pairs(&pairs).is_none() {
-        let hint = "take three markers that form a triangle";
-        return check.refuse(
-            "reference.field.align",
-            "the markers lie on a line, so a rotation about it is open",
-            hint,
-        );
+/// Whether the field can be aligned so.
+fn check_align(written: &Align, check: &mut Check<'_>) -> bool {
+    let Align::Markers(markers) = written else { return true };
+    let pairs: Vec<_> = markers.iter().map(Marker::pair).collect();
+    let is_determined = RigidMotion::of_pairs(&pairs).is_some();
+    if !is_determined {
+        let message = "the markers lie on a line, so a rotation about it is open";
+        check.report_with("reference.field.align", message, "take three markers that form a triangle");
     }
-    Some(Align::Markers(pairs))
+    is_determined
 }
 
 /// The existing files in their order.
@@ -219,10 +191,7 @@ fn times(written: &FieldTimes, files: usize, check: &mut Check<'_>) -> Option<Ve
             match read_times(&path) {
                 Ok(times) => times,
                 Err(error) => {
-                    match error.hint() {
-                        Some(hint) => check.report_with(TIMES, error.to_string(), hint),
-                        None => check.report(TIMES, error.to_string()),
-                    }
+                    check.report_if_known(TIMES, error.to_string(), error.hint().map(str::to_owned));
                     return None;
                 }
             }

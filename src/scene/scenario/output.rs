@@ -44,6 +44,7 @@ keys! {
     }
 
     /// The recording that a run is compared with: signals, a displacement field, or both.
+    #[derive(PartialEq)]
     pub struct Reference {
         /// Recording (table, ISO-MME, TDMS, …): signals from first contact on where it has the columns `acceleration_m_s2` and/or
         /// `displacement_m` (with `time_s`) and neither `acceleration` nor `displacement` is given; anything else is the
@@ -86,7 +87,7 @@ keys! {
     }
 
     /// Window of the errors. The validator has reported mistakes before serde tries the two forms.
-    #[derive(PartialEq)]
+    #[derive(Copy, PartialEq)]
     pub enum Window of forms {
         /// A named part.
         Phase(Phase),
@@ -103,6 +104,7 @@ keys! {
     }
 
     /// A displacement field over time, measured by digital image correlation.
+    #[derive(PartialEq)]
     pub struct FieldReference {
         /// Its files, one per image, in the order of the numbers in their names: a folder, a pattern such as `"dic/*.csv"`, or a
         /// list. Exports of VIC-3D, MatchID, ARAMIS and DICe with undeformed places and displacements in space.
@@ -118,6 +120,7 @@ keys! {
     }
 
     /// The files of a field. The validator has reported mistakes before serde tries the two forms.
+    #[derive(PartialEq)]
     pub enum FieldFiles of forms {
         /// A folder, a pattern or a single file.
         Pattern(#[schemars(extend("x-path" = true))] PathBuf),
@@ -126,6 +129,7 @@ keys! {
     }
 
     /// The times of the files of a field.
+    #[derive(PartialEq)]
     pub enum FieldTimes of forms {
         /// A table with a column of time.
         Table(#[schemars(extend("x-path" = true))] PathBuf),
@@ -136,7 +140,7 @@ keys! {
     }
 
     /// Images at a constant rate.
-    #[derive(Copy)]
+    #[derive(Copy, PartialEq)]
     pub struct FieldRate {
         /// Images per second.
         rate: Frequency, above 0;
@@ -145,7 +149,7 @@ keys! {
     }
 
     /// How a field is brought into the axes of the run.
-    #[derive(Default)]
+    #[derive(Default, PartialEq)]
     pub enum Align {
         /// By the rigid motion for which its places lie on the undeformed film and its displacements are closest to those of
         /// the run.
@@ -158,7 +162,7 @@ keys! {
     }
 
     /// A point in the axes of the field and in those of the run.
-    #[derive(Copy)]
+    #[derive(Copy, PartialEq)]
     pub struct Marker {
         /// x, y, z in the axes of the field.
         field: [Length; 3];
@@ -249,6 +253,13 @@ pub enum Filter {
     /// No filter.
     #[serde(rename = "none")]
     None,
+}
+
+impl Marker {
+    /// Its place in the axes of the field and in those of the run, m.
+    pub fn pair(&self) -> [[f64; 3]; 2] {
+        [self.field, self.film].map(|place| place.map(|length| length.0))
+    }
 }
 
 impl Default for Window {

@@ -11,6 +11,7 @@ use base::number::{clean_time, rounded};
 use base::table::Column;
 use lab::dic::{Field, FieldState, RigidMotion};
 use scene::model::Align;
+use scene::scenario::Marker;
 use scene::simulate::{FaceMotion, FaceState};
 
 /// Significant digits of the table of errors: finer than any measurement.
@@ -150,7 +151,10 @@ impl FieldComparison {
         }
         let alignment = match align {
             Align::None => Some(Alignment { motion: RigidMotion::identity(), found: None }),
-            Align::Markers(pairs) => RigidMotion::of_pairs(pairs).map(|motion| Alignment { motion, found: None }),
+            Align::Markers(markers) => {
+                let pairs: Vec<_> = markers.iter().map(Marker::pair).collect();
+                RigidMotion::of_pairs(&pairs).map(|motion| Alignment { motion, found: None })
+            }
             Align::Rigid => alignment::find(&surface, field, &pairs),
         };
         let alignment = alignment.filter(|_| !pairs.is_empty()).ok_or(NoComparison::NoState)?;

@@ -5,8 +5,10 @@ use rand_distr::{Distribution, Normal};
 
 use crate::field_comparison::comparison::FilmSurface;
 use crate::field_comparison::*;
+use base::units::Length;
 use lab::dic::{Field, FieldState, RigidMotion};
 use scene::model::Align;
+use scene::scenario::Marker;
 use scene::simulate::{FaceMotion, FaceState};
 
 /// A flat film of 0.4 m × 0.3 m in n × n elements, whose inner nodes are shifted, moved by `displacement` at each time.
@@ -198,7 +200,11 @@ fn markers_and_common_axes_need_no_search() {
     let camera = camera([0.3, -0.1, 1.1]);
     let field = measured(&film, &camera, 0.0, |place| place != 5);
     let corners = [[-0.2, -0.15, 0.01], [0.2, -0.15, 0.01], [0.2, 0.15, 0.01]];
-    let markers = Align::Markers(corners.map(|corner| [camera.apply(corner), corner]).to_vec());
+    let marker = |corner| {
+        let [field, film] = [camera.apply(corner), corner].map(|place| place.map(Length));
+        Marker { field, film }
+    };
+    let markers = Align::Markers(corners.map(marker).to_vec());
     let found = FieldComparison::new(&film, &field, &markers, [0.0, 0.7]).unwrap();
     assert!(found.norms().rms().unwrap() < 1e-7, "{:?}", found.norms());
     assert_eq!((found.states.len(), found.outside, found.residuals().count()), (1, 1, 499 * 3));

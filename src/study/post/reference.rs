@@ -19,6 +19,7 @@ use lab::signal::resample;
 use lab::signal::{Annotations, Measurement, Series, integrate, t01};
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Impactor, Model, Reference, Window};
+use scene::scenario::{self, Phase};
 
 /// A recording ready for comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,11 +74,11 @@ impl ReferenceComparison {
         let signals = reference.signals.as_deref().map(|path| Unwindowed::read(path, model, reference)).transpose()?;
         let field = reference.field.as_ref().map(read_field).transpose()?.flatten().map(Arc::new);
         let Unwindowed { comparison, raw } = signals.unwrap_or_default();
-        let window = match (reference.window, &reference.signals) {
-            (Window::Range(range), _) => range,
-            (Window::All, _) => [0.0, model.run_time()],
-            (Window::Loading, None) => [0.0, last_of_field(model)],
-            (Window::Loading, Some(path)) => {
+        let window = match (reference.written.window, &reference.signals) {
+            (Window::Range(range), _) => range.map(|time| time.0),
+            (Window::Phase(Phase::All), _) => [0.0, model.run_time()],
+            (Window::Phase(Phase::Loading), None) => [0.0, last_of_field(model)],
+            (Window::Phase(Phase::Loading), Some(path)) => {
                 let motion = raw.as_ref().or(comparison.acceleration.as_ref());
                 let lowest = time_of_lowest_point(motion, comparison.displacement.as_ref(), model);
                 [0.0, lowest.ok_or_else(|| refused(path, NO_LOWEST_POINT))?]
@@ -191,19 +192,22 @@ impl Unwindowed {
         };
         let acceleration = |column: &str| channel(column).map(|reading| names(reference).upright(&reading));
         let (raw, displacement) = (acceleration(column::ACCELERATION.name), channel(column::DISPLACEMENT.name));
-        let named = reference.acceleration.is_some() || reference.displacement.is_some();
+        let written = &reference.written;
+        let named = written.acceleration.is_some() || written.displacement.is_some();
         let filtered = match acceleration(column::ACCELERATION_FILTERED.name) {
             _ if named => return Ok(None),
             Some(filtered) => Some(filtered),
             None => raw.as_ref().map(|raw| filtered(raw, model, path)).transpose()?,
         };
         let any = filtered.is_some() || displacement.is_some();
+        let contact_error = written.contact_error.map(|error| error.0);
+        let speed_error = written.speed_error.map(|error| error.0);
         let comparison = ReferenceComparison {
             acceleration: filtered,
             displacement,
             absorbed_energy: channel(column::ABSORBED_ENERGY.name),
             total_energy: channel(column::TOTAL_ENERGY.name),
-            contact: [[variance(reference.contact_error), 0.0], [0.0, variance(reference.speed_error)]],
+            contact: [[variance(contact_error), 0.0], [0.0, variance(speed_error)]],
             ..ReferenceComparison::default()
         };
         Ok(any.then_some(Unwindowed { comparison, raw }))
@@ -225,12 +229,17 @@ impl Unwindowed {
         let Impactor { mass, velocity: [_, _, velocity], .. } = impactor;
         let raw = |why: &dyn Display| refused(path, format!("{why}; {RAW}"));
         let sensed = DropChannels::find(measurement, &names(reference)).map_err(|source| raw(&source))?;
-        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: reference.drop_height };
+        let written = &reference.written;
+        let [drop_height, height_error] = [written.drop_height, written.height_error].map(|own| own.map(|own| own.0));
+        let [speed, speed_error] = [written.speed, written.speed_error].map(|own| own.map(|own| own.0));
+        let [contact_time, contact_error, time_constant] =
+            [written.contact_time, written.contact_error, written.time_constant].map(|own| own.map(|own| own.0));
+        let tower = Tower { body: Body { mass: *mass, gravity: *gravity }, height: drop_height };
         // Where nothing is written, the impactor reached the velocity of the run.
-        let is_known = reference.drop_height.is_some() || reference.speed.is_some() || reference.contact_time.is_some();
+        let is_known = drop_height.is_some() || speed.is_some() || contact_time.is_some();
         let needed = [
-            ("contact_error", reference.contact_error, "contact_time", reference.contact_time),
-            ("speed_error", reference.speed_error, "speed", reference.speed),
+            ("contact_error", contact_error, "contact_time", contact_time),
+            ("speed_error", speed_error, "speed", speed),
         ];
         let is_alone = |(_, error, _, given): &(_, Option<f64>, _, Option<f64>)| error.is_some() && given.is_none();
         if let Some((error, _, given, _)) = needed.into_iter().find(is_alone) {
@@ -239,14 +248,14 @@ impl Unwindowed {
         }
         // The class of the run, unless the recorder has filtered already: two filters in a row would lower the peak twice.
         let reduction = Reduction {
-            correction: Correction::Coupling { time_constant: reference.time_constant },
+            correction: Correction::Coupling { time_constant },
             class: sensed.class_to_apply(model.output.filter.map_or(Class::None, Class::Given)),
-            speed: reference.speed.or((!is_known).then_some(-velocity)),
-            contact_time: reference.contact_time,
-            height_error: reference.height_error,
-            speed_error: reference.speed_error,
-            contact_error: reference.contact_error,
-            guide_friction: reference.guide_friction,
+            speed: speed.or((!is_known).then_some(-velocity)),
+            contact_time,
+            height_error,
+            speed_error,
+            contact_error,
+            guide_friction: written.guide_friction.map(|friction| friction.map(|force| force.0)),
         };
         let drop = sensed.reduce(&tower, &reduction).map_err(|source| raw(&source))?;
         let channel = |column: Column| drop.signals.series(column.name);
@@ -267,8 +276,8 @@ impl Unwindowed {
 
 /// The sensors of the reference.
 fn names(reference: &Reference) -> ChannelNames {
-    let (acceleration, laser) = (reference.acceleration.clone(), reference.displacement.clone());
-    ChannelNames { acceleration, laser, is_inverted: reference.invert }
+    let scenario::Reference { acceleration, displacement, invert, .. } = reference.written.clone();
+    ChannelNames { acceleration, laser: displacement, is_inverted: invert }
 }
 
 /// The square of a deviation; zero where none is given.
@@ -278,7 +287,7 @@ fn variance(deviation: Option<f64>) -> f64 {
 
 /// Where both channels are named, only they are read, so that a fault of another one does not matter.
 fn channels(reference: &Reference) -> ChannelSelection {
-    match (&reference.acceleration, &reference.displacement) {
+    match (&reference.written.acceleration, &reference.written.displacement) {
         (Some(acceleration), Some(displacement)) => {
             ChannelSelection::Named(vec![acceleration.clone(), displacement.clone()])
         }
