@@ -271,12 +271,7 @@ fn held(mesh: &Mesh, hold: &Hold) -> Vec<[bool; 3]> {
     for (axis, plane) in mesh.mirrors.iter().enumerate() {
         plane.iter().for_each(|node| held[*node as usize][axis] = true);
     }
-    let mut clamp = |edge: &[u32]| edge.iter().for_each(|node| held[*node as usize] = [true; 3]);
-    match hold {
-        Hold::All => clamp(&mesh.rim),
-        Hold::Sides(sides) => sides.iter().for_each(|side| clamp(&mesh.sides[*side as usize])),
-        Hold::None => {}
-    }
+    hold.nodes(mesh).into_iter().flatten().for_each(|node| held[*node as usize] = [true; 3]);
     held
 }
 

@@ -173,8 +173,8 @@ pub(crate) fn outlines(mesh: &Mesh) -> impl Iterator<Item = &[u32]> {
     quads.chain(mesh.tris.iter().map(|tri| tri.as_slice()))
 }
 
-/// Directed edges of one element.
-pub(crate) fn directed(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+/// Directed edges of one element or another loop of corners.
+pub(crate) fn directed<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 2]> + '_ {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(from, to)| [*from, *to])
 }

@@ -4,7 +4,7 @@ use super::exclusions::Scene;
 use super::loading::Inertia;
 use super::specimen::height_path;
 use super::{Air, Bars, Check, Contact, Face, Frame, Hold, Impactor, Loading, Specimen, Springs, Symmetry};
-use crate::mesh::{Outline, Side};
+use crate::mesh::{Mesh, Outline, Side};
 use crate::scenario::{self, EdgeChoice, Scenario, Shape};
 use base::number::significant;
 
@@ -47,6 +47,15 @@ impl Hold {
             Hold::All => true,
             Hold::Sides(sides) => sides.contains(&side),
             Hold::None => false,
+        }
+    }
+
+    /// The nodes of `mesh` that are held: those of each edge.
+    pub fn nodes<'m>(&self, mesh: &'m Mesh) -> Vec<&'m [u32]> {
+        match self {
+            Hold::All => vec![mesh.rim.as_slice()],
+            Hold::Sides(sides) => sides.iter().map(|side| mesh.sides[*side as usize].as_slice()).collect(),
+            Hold::None => vec![],
         }
     }
 }

@@ -8,7 +8,7 @@ use super::exclusions::Scene;
 use super::loading::{Impact, Impactors};
 use super::{Check, Face, Guide, Impactor, ImpactorShape, Loading, Model, Warning};
 use crate::mesh::{Element, Grading, Outline, Zone, import};
-use crate::scenario::{Around, AroundChoice, Implausible, Meshing, Shape};
+use crate::scenario::{Around, Implausible, Meshing, Shape};
 use base::number::{grouped, rounded, significant};
 
 /// Growth of elements where it is not given: from one element to the next of half its size within two of the latter.
@@ -25,34 +25,35 @@ pub(super) fn check_grading(
     let Scene { scenario, loading, .. } = *scene;
     let shared = &scenario.specimen.mesh;
     for (place, face) in faces.iter_mut().enumerate() {
-        let own = scenario.layer.get(place).map_or(shared, |layer| &layer.mesh);
-        let keys = Keys { own, shared, place };
-        let Some(fine) = own.fine.or(shared.fine).map(|fine| fine.0) else {
-            keys.without_fine(check);
+        let written = scenario.layer.get(place).map_or(shared.clone(), |layer| layer.mesh.over(shared));
+        let key = |check: &Check<'_>, key: &str| check.document.face_key(place, &format!("mesh.{key}"));
+        let Some(fine) = written.fine.map(|fine| fine.0) else {
+            for path in ["around", "within", "growth"].map(|name| key(check, name)) {
+                if check.is_written(&path) {
+                    check.out_of_place(&path, "`fine` is the edge length there");
+                }
+            }
             continue;
         };
+        let path = key(check, "fine");
         if matches!(scenario.specimen.shape, Shape::Mesh(_)) {
-            let why = "an imported mesh has its own element sizes";
-            check.out_of_place(&keys.path("fine", own.fine.is_some()), why);
+            check.out_of_place(&path, "an imported mesh has its own element sizes");
             continue;
         }
-        let path = keys.path("fine", own.fine.is_some());
         if fine >= face.meshing.size {
             check.report_with(&path, "`fine` is not smaller than `size`", "leave it out where all have one size");
-            check.label(&keys.path("size", own.size.is_some()), "the largest edge length");
+            check.label(&key(check, "size"), "the largest edge length");
             continue;
         }
-        let Some(zones) = keys.zones(loading, face.height, impactors, check) else { continue };
-        let growth = own.growth.or(shared.growth).unwrap_or(GROWTH);
-        let grading = Grading { fine, growth, zones };
+        let path = if written.around.is_some() { key(check, "around") } else { path };
+        let Some(zones) = zones(&written, &path, loading, face.height, impactors, check) else { continue };
+        let grading = Grading { fine, growth: written.growth.unwrap_or(GROWTH), zones };
         let beside = |zone: &Zone| {
             let distance = shape.and_then(|shape| shape.distance(zone.at));
             distance
                 .is_some_and(|distance| grading.size_at(distance - zone.within, face.meshing.size) >= face.meshing.size)
         };
         if !grading.zones.is_empty() && grading.zones.iter().all(beside) {
-            let path =
-                if own.around.or(shared.around).is_some() { keys.path("around", own.around.is_some()) } else { path };
             let hint = "give a place on the film: x and y are measured from its origin";
             check.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
             continue;
@@ -61,72 +62,35 @@ pub(super) fn check_grading(
     }
 }
 
-/// The keys of a face and those of all.
-struct Keys<'a> {
-    own: &'a Meshing,
-    shared: &'a Meshing,
-    place: usize,
-}
-
-impl Keys<'_> {
-    /// Path of a key, which is one of the face's `own` or that of all faces.
-    fn path(&self, key: &str, own: bool) -> String {
-        let is_own = own && !std::ptr::eq(self.own, self.shared);
-        if is_own { format!("layer.{}.mesh.{key}", self.place) } else { format!("specimen.mesh.{key}") }
+/// Where elements are fine as `written`, around a point or where each impactor meets the film; a mistake is at `path`.
+fn zones(
+    written: &Meshing,
+    path: &str,
+    loading: &Loading,
+    height: f64,
+    impactors: &[Impactor],
+    check: &mut Check<'_>,
+) -> Option<Vec<Zone>> {
+    let within = written.within.map(|within| within.0);
+    if let Some(Around::Point(point)) = written.around {
+        return Some(vec![Zone { at: point.map(|length| length.0), within: within.unwrap_or(0.0) }]);
     }
-
-    /// Keys that are allowed with `fine` only.
-    fn without_fine(&self, check: &mut Check<'_>) {
-        let written = |meshing: &Meshing| {
-            [
-                ("around", meshing.around.is_some()),
-                ("within", meshing.within.is_some()),
-                ("growth", meshing.growth.is_some()),
-            ]
-        };
-        for ((key, own), (_, shared)) in written(self.own).into_iter().zip(written(self.shared)) {
-            if own || shared {
-                check.out_of_place(&self.path(key, own), "`fine` is the edge length there");
-            }
-        }
+    let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
+    if loading.impactors() == Impactors::None {
+        return check.refuse(path, "this loading has no impactor around which elements could be fine", hint);
     }
-
-    /// Where elements are fine: around a point, or where each impactor meets the film.
-    fn zones(
-        &self,
-        loading: &Loading,
-        height: f64,
-        impactors: &[Impactor],
-        check: &mut Check<'_>,
-    ) -> Option<Vec<Zone>> {
-        let (own, shared) = (self.own, self.shared);
-        let around = own.around.or(shared.around);
-        let within = own.within.or(shared.within).map(|within| within.0);
-        if let Some(Around::Point(point)) = around {
-            return Some(vec![Zone { at: point.map(|length| length.0), within: within.unwrap_or(0.0) }]);
-        }
-        let path = match around {
-            Some(_) => self.path("around", own.around.is_some()),
-            None => self.path("fine", own.fine.is_some()),
-        };
-        let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
-        debug_assert!(matches!(around, None | Some(Around::Word(AroundChoice::Impactor))));
-        if loading.impactors() == Impactors::None {
-            return check.refuse(&path, "this loading has no impactor around which elements could be fine", hint);
-        }
-        // A missing impactor is a mistake of its own.
-        if impactors.is_empty() {
-            return None;
-        }
-        if impactors.iter().any(|impactor| matches!(impactor.guide, Guide::Hinge(_))) {
-            return check.refuse(&path, "where an impactor on a hinge meets the film is not known", hint);
-        }
-        let zone = |impactor: &Impactor| {
-            let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
-            Some(Zone { at: impactor.meeting_point(loading, height, radius), within: within.unwrap_or(radius) })
-        };
-        impactors.iter().map(zone).collect()
+    // A missing impactor is a mistake of its own.
+    if impactors.is_empty() {
+        return None;
     }
+    if impactors.iter().any(|impactor| matches!(impactor.guide, Guide::Hinge(_))) {
+        return check.refuse(path, "where an impactor on a hinge meets the film is not known", hint);
+    }
+    let zone = |impactor: &Impactor| {
+        let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
+        Some(Zone { at: impactor.meeting_point(loading, height, radius), within: within.unwrap_or(radius) })
+    };
+    impactors.iter().map(zone).collect()
 }
 
 impl Impactor {
@@ -274,11 +238,9 @@ fn samples(model: &Model, film: f64, check: &mut Check<'_>) {
 
 /// Key path of the element size of a face.
 fn mesh_path(model: &Model, place: usize, check: &Check<'_>) -> String {
-    let own = format!("layer.{place}.mesh.size");
     match model.specimen.shape {
         Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),
-        _ if check.is_written(&own) => own,
-        _ => "specimen.mesh.size".to_owned(),
+        _ => check.document.face_key(place, "mesh.size"),
     }
 }
 

@@ -220,7 +220,7 @@ fn stacked(scenario: &Scenario, film: Option<Option<Film>>, check: &mut Check<'_
     if film.is_none() {
         check.missing("specimen.material", "what one layer is made of");
     }
-    let meshing = meshing(scenario, None, "specimen.mesh.size", check);
+    let meshing = meshing(scenario, &scenario.specimen.mesh, "specimen.mesh.size", check);
     let (film, meshing) = (film??, meshing?);
     let fallback = Layers::default();
     let Layers { count, faces, prestrain, settle } = scenario.layers.as_ref().unwrap_or(&fallback);
@@ -251,18 +251,14 @@ fn single(
             None
         }
     };
-    let meshing = meshing(scenario, Some(layer), &path("mesh.size"), check);
+    let meshing = meshing(scenario, &layer.mesh.over(&scenario.specimen.mesh), &path("mesh.size"), check);
     Some(film?.face(scenario, layer, meshing?))
 }
 
-/// The meshing of a face: its own keys, then those of the specimen.
-fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, check: &mut Check<'_>) -> Option<Meshing> {
-    let shared = &scenario.specimen.mesh;
-    let own = layer.map_or(shared, |layer| &layer.mesh);
-    let element = own.element.or(shared.element);
-    let size = own.size.or(shared.size);
+/// The meshing of a face as `written`, with the size of its elements at `path`.
+fn meshing(scenario: &Scenario, written: &scenario::Meshing, path: &str, check: &mut Check<'_>) -> Option<Meshing> {
     let imported = matches!(scenario.specimen.shape, scenario::Shape::Mesh(_));
-    let size = match (size, imported) {
+    let size = match (written.size, imported) {
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
@@ -278,7 +274,7 @@ fn meshing(scenario: &Scenario, layer: Option<&Layer>, path: &str, check: &mut C
             return None;
         }
     };
-    Some(Meshing { element: element.unwrap_or(Element::Quad4), size, grading: None })
+    Some(Meshing { element: written.element.unwrap_or(Element::Quad4), size, grading: None })
 }
 
 /// Key path of the height of a face.
@@ -366,10 +362,8 @@ fn prestrained(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
             let end = significant(end, 4);
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
             let path = format!("{path}.prestrain.{key}");
-            match written_material(scenario, place).and_then(|written| scaled_break(written, key)) {
-                Some(hint) => check.report_with(&path, message, hint),
-                None => check.report(&path, message),
-            }
+            let hint = written_material(scenario, place).and_then(|written| scaled_break(written, key));
+            check.report_if_known(&path, message, hint);
         }
     }
 }
@@ -421,14 +415,8 @@ fn mirrored(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
     }
     let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
     let Some(place) = oblique else { return };
-    let own = format!("layer.{place}.md_angle");
-    let path = if check.is_written(&own) {
-        own
-    } else if check.is_written("specimen.md_angle") {
-        "specimen.md_angle".to_owned()
-    } else {
-        "loading.stretch.direction".to_owned()
-    };
+    let own = check.document.face_key(place, "md_angle");
+    let path = if check.is_written(&own) { own } else { "loading.stretch.direction".to_owned() };
     check.report_with(
         &path,
         "oblique fibres have no mirror planes",

@@ -99,8 +99,7 @@ fn darts(document: &Document, model: &Model) -> Vec<Implausible> {
         let (heads, standard) = STANDARD_DARTS;
         let is_standard = heads.iter().any(|head| (radius - head).abs() < 1e-3 * head);
         let likely = [1e-3, if is_standard { standard } else { HEAVIEST_STRIKER }];
-        let keys = ["impactor.mass".to_owned(), format!("impactor.{place}.mass")];
-        keys.iter().find_map(|key| document.implausible_at(key, Mass::DIMENSION, likely))
+        document.implausible_at(&document.impactor_key(place, "mass"), Mass::DIMENSION, likely)
     };
     model.impactors.iter().enumerate().filter_map(of_body).collect()
 }
@@ -121,10 +120,8 @@ fn heads(document: &Document, model: &Model) -> Vec<Implausible> {
             false if radius >= film => format!("less than the radius of the film, {}", shown(film)),
             false => return None,
         };
-        let keys = ["impactor".to_owned(), format!("impactor.{place}")];
-        let found = keys.iter().find_map(|key| {
-            document.implausible_at(&format!("{key}.shape.hemisphere.radius"), Length::DIMENSION, [0.0, 0.99 * radius])
-        })?;
+        let key = document.impactor_key(place, "shape.hemisphere.radius");
+        let found = document.implausible_at(&key, Length::DIMENSION, [0.0, 0.99 * radius])?;
         Some(Implausible { likely, meant: (0.5 * radius < film).then(|| shown(0.5 * radius)), ..found })
     };
     model.impactors.iter().enumerate().filter_map(of_body).collect()
@@ -155,10 +152,7 @@ fn unstable(document: &Document, model: &Model) -> Vec<Warning> {
     let of_face = |(place, face): (usize, &Face)| {
         let Law::Hyperelastic(law) = &face.material.law else { return None };
         let (tension, stretch) = law.instability()?;
-        let own = format!("layer.{place}.material.hyperelastic");
-        let is_own = document.find(&own).is_some();
-        let key = if is_own { own } else { "specimen.material.hyperelastic".to_owned() };
-        Some(Warning::Unstable { key, tension, stretch })
+        Some(Warning::Unstable { key: document.face_key(place, "material.hyperelastic"), tension, stretch })
     };
     let mut warnings: Vec<Warning> = model.faces.iter().enumerate().filter_map(of_face).collect();
     warnings.dedup();

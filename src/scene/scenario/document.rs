@@ -254,12 +254,20 @@ impl Document {
         self.root.find(path)
     }
 
-    /// Place of the value at the key path; where it is left out, of the key of its table.
+    /// Path of a key of the impactor at this place: of a list of them, or of the only one.
+    pub fn impactor_key(&self, place: usize, key: &str) -> String {
+        if self.find("impactor.0").is_some() { format!("impactor.{place}.{key}") } else { format!("impactor.{key}") }
+    }
+
+    /// Path of a key of the face at this place: its own where it is written, else that of the specimen.
+    pub fn face_key(&self, place: usize, key: &str) -> String {
+        let own = format!("layer.{place}.{key}");
+        if self.find(&own).is_some() { own } else { format!("specimen.{key}") }
+    }
+
+    /// Place of the value at the key path; where it is left out, of the last key of the path that is there.
     pub fn span(&self, path: &str) -> Span {
-        match self.root.find(path) {
-            Some(node) if !matches!(node.value, Value::Table(_)) => node.span.clone(),
-            _ => self.key_span(path),
-        }
+        self.span_of(&path.split('.').collect::<Vec<_>>())
     }
 
     /// Place of the last key of the path; where it is left out, of the key before it.
@@ -270,8 +278,8 @@ impl Document {
     /// Place of the value under these keys, of which each may have dots in its name; where it is left out, of the last
     /// that is there.
     pub fn span_of(&self, keys: &[&str]) -> Span {
-        let (node, key_span, _) = self.along(keys.iter().copied());
-        if matches!(node.value, Value::Table(_)) { key_span.clone() } else { node.span.clone() }
+        let (node, key_span, is_whole) = self.along(keys.iter().copied());
+        if is_whole && !matches!(node.value, Value::Table(_)) { node.span.clone() } else { key_span.clone() }
     }
 
     /// The last node along the keys, where its own key stands, and whether all of them are there.

@@ -255,6 +255,20 @@ keys! {
     }
 }
 
+impl Meshing {
+    /// The keys of one face, and of those that it leaves out the ones that all faces share.
+    pub fn over(&self, shared: &Meshing) -> Meshing {
+        Meshing {
+            element: self.element.or(shared.element),
+            size: self.size.or(shared.size),
+            fine: self.fine.or(shared.fine),
+            around: self.around.or(shared.around),
+            within: self.within.or(shared.within),
+            growth: self.growth.or(shared.growth),
+        }
+    }
+}
+
 impl Symmetry {
     /// Whether x = 0 and y = 0 are mirror planes.
     pub fn mirrors(self) -> [bool; 2] {

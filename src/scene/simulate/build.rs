@@ -129,24 +129,21 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     // After the impactors, because bodies are numbered in this order and the frame is told by being the last.
     let bars = frame::bars(model, &films)?;
     let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
-    let engine = match clamp {
-        Some(clamp) => engine.with_clamp(clamp),
-        None => engine,
-    };
-    let engine = match springs {
-        Some(springs) => engine.with_springs(springs),
-        None => engine,
-    };
+    let engine = with(engine, clamp, Engine::with_clamp);
+    let engine = with(engine, springs, Engine::with_springs);
     mounting.spring_step = SpringStep::of_engine(&engine);
-    let engine = match model.contact.film_friction.filter(|_| model.contact.film) {
-        Some(friction) => engine.with_film_contact(friction),
-        None => engine,
-    };
-    let engine = match model.contact.film_friction.filter(|_| model.contact.itself) {
-        Some(friction) => engine.with_self_contact(friction),
-        None => engine,
-    };
+    let friction = model.contact.film_friction;
+    let engine = with(engine, friction.filter(|_| model.contact.film), Engine::with_film_contact);
+    let engine = with(engine, friction.filter(|_| model.contact.itself), Engine::with_self_contact);
     Ok(Scene { engine, mounting })
+}
+
+/// The engine with a `part`, where the scene has it.
+fn with<P>(engine: Engine, part: Option<P>, add: fn(Engine, P) -> Engine) -> Engine {
+    match part {
+        Some(part) => add(engine, part),
+        None => engine,
+    }
 }
 
 /// The thread pool of a run of so many elements: at most the threads of the processor, one where runs are simulated in
@@ -171,11 +168,7 @@ fn topology(mesh: &Mesh, model: &Model) -> FilmTopology {
 
 /// Edges of which both nodes are held.
 fn held_edges(mesh: &Mesh, hold: &Hold) -> Vec<[u32; 2]> {
-    let on = |edge: &[u32; 2], side: &[u32]| edge.iter().all(|node| side.binary_search(node).is_ok());
-    let is_held = |edge: &[u32; 2]| match hold {
-        Hold::All => on(edge, &mesh.rim),
-        Hold::Sides(sides) => sides.iter().any(|side| on(edge, &mesh.sides[*side as usize])),
-        Hold::None => false,
-    };
-    mesh::outer_edges(mesh).filter(is_held).collect()
+    let held = hold.nodes(mesh);
+    let on = |edge: &[u32; 2], nodes: &[u32]| edge.iter().all(|node| nodes.binary_search(node).is_ok());
+    mesh::outer_edges(mesh).filter(|edge| held.iter().any(|nodes| on(edge, nodes))).collect()
 }

@@ -95,10 +95,8 @@ impl RunError {
 
     /// Remedy in the scenario, if there is one.
     pub fn hint(&self) -> Option<String> {
-        match self {
-            RunError::Mounting(refusal) => Some(refusal.hint.clone()),
-            _ => None,
-        }
+        let RunError::Mounting(refusal) = self else { return None };
+        Some(refusal.hint.clone())
     }
 }
 
@@ -197,16 +195,16 @@ impl Fault {
 /// # Errors
 /// Why not, at its place.
 pub fn check(document: &Document, model: &Model) -> Result<(), Vec<Diagnostic>> {
-    let key = |place: usize, key: &str| {
-        let is_list = document.find("impactor.0").is_some();
-        if is_list { format!("impactor.{place}.{key}") } else { format!("impactor.{key}") }
-    };
     let surfaces = model.impactors.iter().enumerate();
     let surfaces = surfaces.filter_map(|(place, impactor)| Some((place, mount::surface(&impactor.shape).err()?)));
+    let at = |key: String, error: RunError| {
+        let mistake = Diagnostic::new(error.to_string()).at(&document.span(&key));
+        mistake.hint_if(error.hint())
+    };
     let mut mistakes: Vec<Diagnostic> =
-        surfaces.map(|(place, error)| diagnostic(document, &key(place, "shape"), &error)).collect();
+        surfaces.map(|(place, error)| at(document.impactor_key(place, "shape"), error)).collect();
     if mistakes.is_empty() {
-        mistakes.extend(refusal(model).map(|error| diagnostic(document, &place_of(&error, model, key), &error)));
+        mistakes.extend(refusal(model).map(|error| at(place_of(&error, document, model), error)));
     }
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
 }
@@ -222,13 +220,8 @@ fn refusal(model: &Model) -> Option<RunError> {
     Some(RunError::of_overlap(model, overlap))
 }
 
-fn diagnostic(document: &Document, key: &str, error: &RunError) -> Diagnostic {
-    let mistake = Diagnostic::new(error.to_string()).at(&document.span(key));
-    Diagnostic { hint: error.hint(), ..mistake }
-}
-
-/// Path of the key that an error is about; `of` gives that of a key of an impactor.
-fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String) -> String {
+/// Path of the key of `document` that an error is about.
+fn place_of(error: &RunError, document: &Document, model: &Model) -> String {
     match error {
         RunError::Mesh(error) => match (error.kind, &model.specimen.shape) {
             (MeshErrorKind::Size, _) => "specimen.mesh".to_owned(),
@@ -237,7 +230,9 @@ fn place_of(error: &RunError, model: &Model, of: impl Fn(usize, &str) -> String)
         },
         RunError::FibreDirection(_) => "specimen.md_angle".to_owned(),
         RunError::Mounting(Refusal { place: Place::Key(path), .. }) => path.clone(),
-        RunError::Mounting(Refusal { place: Place::Position(impactor), .. }) => of(*impactor, "position"),
+        RunError::Mounting(Refusal { place: Place::Position(impactor), .. }) => {
+            document.impactor_key(*impactor, "position")
+        }
         // Those of the impactors are known before.
         RunError::Surface(_) => "frame.bars.radius".to_owned(),
         RunError::StateMismatch(_) | RunError::Cancelled | RunError::Failure(_) => String::new(),

@@ -33,17 +33,12 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
         _ => crest - 2.0 * radius,
     };
     let half_height = (0.5 * (crest - lowest) - radius).max(0.0);
-    let surface = match &model.specimen.shape {
-        Outline::Rectangle { x, y } => {
-            let lines = around_rectangle([0.5 * x, 0.5 * y], &model.frame.hold, BEYOND * radius);
-            Surface::bars(&lines, radius, half_height)?
-        }
-        Outline::Polygon(polygon) => {
-            let lines = around_polygon(polygon, model.specimen.symmetry.mirrors());
-            Surface::bars(&lines, radius, half_height)?
-        }
+    let lines = match &model.specimen.shape {
+        Outline::Rectangle { x, y } => around_rectangle([0.5 * x, 0.5 * y], &model.frame.hold, BEYOND * radius),
+        Outline::Polygon(polygon) => around_polygon(polygon, model.specimen.symmetry.mirrors()),
         Outline::Circle { .. } | Outline::Mesh { .. } => return Ok(None),
     };
+    let surface = Surface::bars(&lines, radius, half_height)?;
     let offset = films.iter().flat_map(|film| film.nodes.clone().map(|_| 0.5 * film.thickness)).collect();
     let contact = Contact::new(surface, friction, model.specimen.symmetry.copies(), offset);
     Ok(Some(Impact::frame(contact, 0.5 * (crest + lowest), film.thickness)))

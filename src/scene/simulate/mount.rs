@@ -141,12 +141,7 @@ pub(super) fn mirror(nodes: &mut Nodes, mesh: &Mesh, first: usize) {
 
 /// Clamps the held edges.
 pub(super) fn clamp(nodes: &mut Nodes, mesh: &Mesh, first: usize, hold: &Hold) {
-    let mut clamp = |edge: &[u32]| nodes.hold(edge.iter().map(|n| first + *n as usize), [true; 3]);
-    match hold {
-        Hold::All => clamp(&mesh.rim),
-        Hold::Sides(sides) => sides.iter().for_each(|side| clamp(&mesh.sides[*side as usize])),
-        Hold::None => {}
-    }
+    nodes.hold(hold.nodes(mesh).into_iter().flatten().map(|n| first + *n as usize), [true; 3]);
 }
 
 /// Contact and pose of the impactor at this place among those of `model`: at its height, or with its lowest point on
@@ -312,9 +307,9 @@ impl Pieces {
         let mut edges: HashMap<[usize; 2], usize> = HashMap::new();
         let mut at_node: Vec<Vec<usize>> = vec![vec![]; film.nodes.len()];
         for (element, corners) in elements.iter().enumerate() {
-            for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                at_node[*from].push(element);
-                if let Some(other) = edges.insert([*from.min(to), *from.max(to)], element) {
+            for [from, to] in mesh::directed(corners) {
+                at_node[from].push(element);
+                if let Some(other) = edges.insert([from.min(to), from.max(to)], element) {
                     sets.join(element, other);
                 }
             }

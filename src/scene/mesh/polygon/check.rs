@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use spade::InsertionError;
 
 use super::Polygon;
-use crate::mesh::{MeshError, MeshErrorKind, fault};
+use crate::mesh::{MeshError, MeshErrorKind, directed, fault};
 
 /// Least angle of a corner, rad: 5 degrees. No element at a narrower one is sound.
 const NARROWEST: f64 = 5.0 * std::f64::consts::PI / 180.0;
@@ -77,7 +77,7 @@ impl Polygon {
             ));
         }
         let on_plane = |[a, b]: [[f64; 2]; 2]| a[axis].abs() <= same && b[axis].abs() <= same;
-        match edges(&self.outer).any(on_plane) {
+        match directed(&self.outer).any(on_plane) {
             true => Ok(()),
             false => Err(fault!("no edge lies on the mirror plane {name} = 0")),
         }
@@ -88,7 +88,7 @@ impl Polygon {
         let mut all: Vec<Edge> = vec![];
         for (of, corners) in self.loops().enumerate() {
             let count = corners.len();
-            all.extend(edges(corners).enumerate().map(|(place, ends)| Edge { of, place, count, ends }));
+            all.extend(directed(corners).enumerate().map(|(place, ends)| Edge { of, place, count, ends }));
         }
         // By their least x: those that begin beyond the end of an edge do not meet it.
         all.sort_by(|a, b| a.low().total_cmp(&b.low()));
@@ -132,10 +132,10 @@ fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), MeshError> 
     if !corners.iter().flatten().all(|coordinate| coordinate.is_finite()) {
         return Err(of_loop(of, format!("a coordinate of {} is not finite", named(of))));
     }
-    let perimeter: f64 = edges(corners).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+    let perimeter = perimeter(corners);
     if corners.len() < 3 || signed_area(corners).abs() <= 1e-9 * perimeter * perimeter {
         // The two halves of a bow tie have areas of opposite sign.
-        let all: Vec<_> = edges(corners).collect();
+        let all: Vec<_> = directed(corners).collect();
         let pairs =
             all.iter().enumerate().flat_map(|(first, edge)| all[first + 1..].iter().map(move |other| (edge, other)));
         let point = pairs.into_iter().find_map(|(edge, other)| crossing_point(*edge, *other));
@@ -160,22 +160,21 @@ fn corners(of: usize, corners: &[[f64; 2]], same: f64) -> Result<(), MeshError> 
     Ok(())
 }
 
-/// The edges of a loop.
-pub(super) fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(from, to)| [*from, *to])
+/// Length of a loop, m.
+pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
+    directed(corners).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
 }
 
 /// Area within a loop, positive where it runs counter-clockwise, m².
 pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
-    edges(corners).map(|[a, b]| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum()
+    directed(corners).map(|[a, b]| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum()
 }
 
 /// Whether a point is inside a loop.
 pub(super) fn is_inside(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let crosses =
         |[a, b]: &[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-    edges(corners).filter(crosses).count() % 2 == 1
+    directed(corners).filter(crosses).count() % 2 == 1
 }
 
 /// The point of a loop that is nearest to `point`.
@@ -186,7 +185,7 @@ pub(super) fn nearest(corners: &[[f64; 2]], point: Point2<f64>) -> Point2<f64> {
         from + along * share
     };
     let distance = |other: &Point2<f64>| (other - point).norm_squared();
-    let mut places = edges(corners).map(on_edge);
+    let mut places = directed(corners).map(on_edge);
     let first = places.next().unwrap_or(point);
     places.fold(first, |best, place| if distance(&place) < distance(&best) { place } else { best })
 }

@@ -43,7 +43,7 @@ impl Polygon {
 
     /// Length of the outline without the holes, m.
     pub fn perimeter(&self) -> f64 {
-        check::edges(&self.outer).map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
+        check::perimeter(&self.outer)
     }
 
     /// Largest extent along x or y, m.

@@ -82,7 +82,7 @@ impl Factor {
         match values {
             Ok(values) => Some(Factor { path: key.path.clone(), span: key.span.clone(), dimension, values }),
             Err(message) => {
-                check.found.0.push(Diagnostic::new(message).at(&key.node.span));
+                check.found.report(&key.node.span, message);
                 None
             }
         }

@@ -65,8 +65,8 @@ pub(super) fn check(written: &scenario::Variation, check: &mut Check<'_>) -> Opt
     let factors = match &written.method {
         Some(Method::Table(_)) => {
             if let Some(key) = keys.first() {
-                let mistake = Diagnostic::new(format!("`{}` varies by the table", key.path)).at(&key.span);
-                check.found.0.push(mistake.hint("leave it out, or leave `method` out"));
+                let message = format!("`{}` varies by the table", key.path);
+                check.found.report_with(&key.span, message, "leave it out, or leave `method` out");
             }
             let file = check.file("variation.method.table")?;
             let span = check.document.span("variation.method.table");
