@@ -98,14 +98,10 @@ pub(super) fn check_faces(scene: &Scene<'_>, check: &mut Check<'_>) -> Option<Ve
     let Scene { scenario, loading, .. } = *scene;
     let own = scenario.specimen.material.as_ref();
     let shared = own.map(|written| film(written, "specimen.material", check));
-    let mut faces = if scenario.layer.is_empty() {
-        stacked(scenario, shared, check)?
-    } else {
-        let layers = scenario.layer.iter().enumerate();
-        let faces: Vec<_> =
-            layers.map(|(place, layer)| single(scenario, layer, place, shared.as_ref(), check)).collect();
-        faces.into_iter().collect::<Option<Vec<Face>>>()?
-    };
+    let layers = if scenario.layer.is_empty() { &stacked(scenario) } else { &scenario.layer };
+    let faces = layers.iter().enumerate().map(|(place, layer)| face(scenario, layer, place, shared.as_ref(), check));
+    let faces: Vec<Option<Face>> = faces.collect();
+    let mut faces = faces.into_iter().collect::<Option<Vec<Face>>>()?;
     heights(&faces, scenario, loading, check);
     if let Some(angle) = loading.md_angle() {
         faces.iter_mut().for_each(|face| face.md_angle = angle);
@@ -117,31 +113,28 @@ pub(super) fn check_faces(scene: &Scene<'_>, check: &mut Check<'_>) -> Option<Ve
     Some(faces)
 }
 
-/// Material and name of a layer.
+/// What a layer is made of.
 #[derive(Clone)]
-struct Film {
-    name: Option<String>,
+struct Film<'s> {
+    written: &'s scenario::Material,
     material: Material,
-    /// Whether its break strains are not those of its curves: `break_factor` moves them.
-    break_is_moved: bool,
-    /// Biaxial coupling of a fabric that does not tell its source.
-    unsourced_coupling: Option<f64>,
-    /// Standard deviation of the break strains of layers over their mean.
-    break_scatter: f64,
     /// The MD and TD curves without multipliers, to which film relaxes on the frame; none where it does not.
     relaxed: Option<[Curve; 2]>,
 }
 
-impl Film {
+impl Film<'_> {
     /// The face of a layer of this film.
     fn face(&self, scenario: &Scenario, layer: &Layer, meshing: Meshing) -> Face {
+        let fabric = self.written.fabric.as_ref();
+        let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|own| own.break_factor != 1.0);
+        let unsourced = fabric.filter(|fabric| fabric.biaxial_source.is_none());
         Face {
             height: layer.height.0,
             layers: layer.count,
-            film: self.name.clone(),
+            film: self.written.name.clone(),
             material: self.of_layers(layer.count),
-            break_is_moved: self.break_is_moved,
-            unsourced_coupling: self.unsourced_coupling,
+            break_is_moved: fabric.is_some_and(moves),
+            unsourced_coupling: unsourced.map(|fabric| fabric.biaxial),
             md_angle: layer.md_angle.unwrap_or(scenario.specimen.md_angle).0,
             prestrain: self.prestrain([layer.prestrain.md, layer.prestrain.td]),
             meshing,
@@ -152,7 +145,8 @@ impl Film {
     /// The material of `count` layers.
     fn of_layers(&self, count: u32) -> Material {
         let mut material = self.material.clone();
-        material.law = material.law.with_layer_breaks(layer_breaks(self.break_scatter, count));
+        let scatter = self.written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
+        material.law = material.law.with_layer_breaks(layer_breaks(scatter, count));
         material
     }
 
@@ -181,15 +175,9 @@ fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
     LayerBreaks::new(factors).unwrap_or_default()
 }
 
-fn film(written: &scenario::Material, path: &str, check: &mut Check<'_>) -> Option<Film> {
+fn film<'s>(written: &'s scenario::Material, path: &str, check: &mut Check<'_>) -> Option<Film<'s>> {
     let material = material::check(written, path, check)?;
-    let break_scatter = written.fabric.as_ref().map_or(0.0, |fabric| fabric.break_scatter);
-    let relaxed = relaxed(written, path, check);
-    let moves = |fabric: &scenario::Fabric| [&fabric.md, &fabric.td].iter().any(|fibre| fibre.break_factor != 1.0);
-    let break_is_moved = written.fabric.as_ref().is_some_and(moves);
-    let unsourced_coupling =
-        written.fabric.as_ref().filter(|fabric| fabric.biaxial_source.is_none()).map(|fabric| fabric.biaxial);
-    Some(Film { name: written.name.clone(), material, break_is_moved, unsourced_coupling, break_scatter, relaxed })
+    Some(Film { written, material, relaxed: relaxed(written, path, check) })
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
@@ -215,43 +203,36 @@ fn relaxed(written: &scenario::Material, path: &str, check: &mut Check<'_>) -> O
     }
 }
 
-/// The faces of `[layers]`, which differ in height only.
-fn stacked(scenario: &Scenario, film: Option<Option<Film>>, check: &mut Check<'_>) -> Option<Vec<Face>> {
-    if film.is_none() {
-        check.missing("specimen.material", "what one layer is made of");
-    }
-    let meshing = meshing(scenario, &scenario.specimen.mesh, "specimen.mesh.size", check);
-    let (film, meshing) = (film??, meshing?);
-    let fallback = Layers::default();
-    let Layers { count, faces, prestrain, settle } = scenario.layers.as_ref().unwrap_or(&fallback);
-    let layer = |height: &Length| Layer {
-        height: *height,
-        count: *count,
-        prestrain: *prestrain,
-        settle: *settle,
-        ..Layer::default()
-    };
-    Some(faces.iter().map(|height| film.face(scenario, &layer(height), meshing.clone())).collect())
+/// The faces of `[layers]`, which differ in height only, each as a `[[layer]]`.
+fn stacked(scenario: &Scenario) -> Vec<Layer> {
+    let Layers { count, faces, prestrain, settle } = scenario.layers.clone().unwrap_or_default();
+    let layer = |height: Length| Layer { height, count, prestrain, settle, ..Layer::default() };
+    faces.into_iter().map(layer).collect()
 }
 
-/// The face of one `[[layer]]`.
-fn single(
+/// The face of a layer, of the `shared` film where it has none of its own.
+fn face(
     scenario: &Scenario,
     layer: &Layer,
     place: usize,
-    shared: Option<&Option<Film>>,
+    shared: Option<&Option<Film<'_>>>,
     check: &mut Check<'_>,
 ) -> Option<Face> {
-    let path = |key: &str| format!("layer.{place}.{key}");
+    let (table, hint) = match scenario.layer.is_empty() {
+        true => ("specimen".to_owned(), "what one layer is made of"),
+        false => (format!("layer.{place}"), "or give `specimen.material` for all layers"),
+    };
+    let path = format!("{table}.material");
     let film = match (&layer.material, shared) {
-        (Some(written), _) => film(written, &path("material"), check),
+        (Some(written), _) => film(written, &path, check),
         (None, Some(shared)) => shared.clone(),
         (None, None) => {
-            check.missing(&path("material"), "or give `specimen.material` for all layers");
+            check.missing(&path, hint);
             None
         }
     };
-    let meshing = meshing(scenario, &layer.mesh.over(&scenario.specimen.mesh), &path("mesh.size"), check);
+    let mesh = layer.mesh.over(&scenario.specimen.mesh);
+    let meshing = meshing(scenario, &mesh, &format!("{table}.mesh.size"), check);
     Some(film?.face(scenario, layer, meshing?))
 }
 
