@@ -47,7 +47,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let multiplicity = model.specimen.symmetry.copies();
     let (damping, step_factor) = (loading.damping(), model.solver.step_factor);
     let mut loads = Loads { multiplicity, damping, step_factor, ..Loads::default() };
-    let mut held = if loading.has_frame_force() { HeldSides::from_model(model) } else { HeldSides::default() };
+    let mut held = HeldSides::from_model(model);
     let mut crest = frame::Crest::from_model(model);
     let mut springs = vec![];
     for face in &model.faces {
@@ -119,9 +119,6 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         held.tie(springs)?;
     }
     let mass_scaling = (model.loading.inertia() != Inertia::Dynamic).then_some(mass_scaling);
-    let spring_step = None;
-    let mut mounting =
-        Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, spring_step, held, crest };
     let clamp = model.frame.clamp.map(|clamp| {
         let width = clamp.width.map_or(f64::INFINITY, |width| width.0);
         Clamp::new(clamped, &nodes, width, multiplicity)
@@ -131,10 +128,12 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
     let engine = Engine::new(films, nodes, impacts.into_iter().chain(bars), loads);
     let engine = with(engine, clamp, Engine::with_clamp);
     let engine = with(engine, springs, Engine::with_springs);
-    mounting.spring_step = SpringStep::of_engine(&engine);
+    let spring_step = SpringStep::of_engine(&engine);
     let friction = model.contact.film_friction;
     let engine = with(engine, friction.filter(|_| model.contact.film), Engine::with_film_contact);
     let engine = with(engine, friction.filter(|_| model.contact.itself), Engine::with_self_contact);
+    let mounting =
+        Mounting { films: topologies, bodies, energy_scale, mass_scaling, added_mass, spring_step, held, crest };
     Ok(Scene { engine, mounting })
 }
 

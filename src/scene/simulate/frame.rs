@@ -8,6 +8,7 @@ use nalgebra::Vector2;
 use super::fault::RunError;
 use super::mount;
 use crate::mesh::{Mesh, Outline, Polygon, Side};
+use crate::model::loading::Test;
 use crate::model::{Bars, Clamp, Hold, Model};
 use base::number::significant;
 use membrane::engine::{ClampedNode, Contact, Film, Impact, Nodes, Springs, Surface, View};
@@ -45,7 +46,7 @@ pub(super) fn bars(model: &Model, films: &[Film]) -> Result<Option<Impact>, RunE
 }
 
 /// The held edge of film on the crest of bars, whose vertical force on them the contact of the bars does not have.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Crest {
     /// Counted among all nodes; none without bars.
     nodes: Vec<u32>,
@@ -166,7 +167,7 @@ pub(super) fn clamped(model: &Model, nodes: &Nodes, mesh: &Mesh, held: &[[u32; 2
 
 /// The sides of a rectangle that its frame holds, with their nodes on all faces. Other outlines have no sides, and the
 /// force of jaws is a signal of its own.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct HeldSides {
     sides: Vec<HeldSide>,
     /// Whether x = 0 and y = 0 are mirror planes.
@@ -187,7 +188,7 @@ impl HeldSides {
     pub(super) fn from_model(model: &Model) -> HeldSides {
         let is_rectangle = matches!(model.specimen.shape, Outline::Rectangle { .. });
         let sides = match &model.frame.hold {
-            _ if !is_rectangle => vec![],
+            _ if !is_rectangle || model.loading.test() == Test::Stretch => vec![],
             Hold::All => vec![Side::XMinus, Side::XPlus, Side::YMinus, Side::YPlus],
             Hold::Sides(sides) => sides.clone(),
             Hold::None => vec![],

@@ -232,7 +232,7 @@ impl<'a> Probe<'a> {
             view,
             held: &self.held,
             crest: &self.crest,
-            rise: self.loading.has_rise().then(|| self.record.rise.largest(view)),
+            rise: self.model.loading.is_by_gas().then(|| self.record.rise.largest(view)),
             clamp: view.clamp_slip(),
             springs: view.springs().map(|springs| springs.state(view.nodes)),
             films: view.film_contact_state(),

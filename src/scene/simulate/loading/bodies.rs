@@ -293,11 +293,6 @@ impl LoadCase for Stretch {
         Ok(vec![])
     }
 
-    /// The force of the jaws is a signal of its own.
-    fn has_frame_force(&self) -> bool {
-        false
-    }
-
     /// Travel of the jaws, their force, engineering strain and stress.
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording {
         let Stretch { velocity, section, gauge, .. } = *self;

@@ -60,10 +60,6 @@ impl LoadCase for Inflation<'_> {
         Ok(vec![])
     }
 
-    fn has_rise(&self) -> bool {
-        true
-    }
-
     /// Pressure, the largest rise of a node, and the volume under the film.
     fn signals(&self, tracks: &Tracks, _: &Mounting) -> Recording {
         let [rise, volume] = [column::DEFLECTION, column::VOLUME].map(|column| tracks.sampled(&column));

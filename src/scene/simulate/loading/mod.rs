@@ -49,16 +49,6 @@ pub(super) trait LoadCase {
         0.0
     }
 
-    /// Whether the force on the mounting frame is recorded.
-    fn has_frame_force(&self) -> bool {
-        true
-    }
-
-    /// Whether the rise of the film is recorded.
-    fn has_rise(&self) -> bool {
-        false
-    }
-
     /// The columns of `signals.csv`.
     fn signals(&self, tracks: &Tracks, mounting: &Mounting) -> Recording;
 }
