@@ -61,21 +61,10 @@ pub struct TableRule {
     pub groups: Vec<Vec<String>>,
     /// Whether it must have one of them.
     pub group_required: bool,
-    /// Keys that are reserved for later versions, each with what there is instead.
-    pub reserved: Vec<ReservedKey>,
     /// Whether its other keys are paths of keys that vary.
     pub varied: bool,
     /// The rule of its other keys, which may have any name.
     pub others: Option<Box<Rule>>,
-}
-
-/// A key that is reserved for later versions.
-#[derive(Clone, Debug)]
-pub struct ReservedKey {
-    /// Its name.
-    pub name: String,
-    /// The key or value to use in its place; may be empty.
-    pub hint: String,
 }
 
 /// A key of a table.
@@ -346,11 +335,6 @@ impl TableRule {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// The hint in place of the reserved key `name`; none where the key is not reserved.
-    pub fn reserved(&self, name: &str) -> Option<&str> {
-        self.reserved.iter().find(|key| key.name == name).map(|key| key.hint.as_str())
-    }
-
     /// How the table is written, as a hint shows it: ``{ size = […], edge = … }``; none of a table without keys of its own.
     pub fn outline(&self) -> Option<String> {
         let braces = |keys: &[&Key]| {
@@ -427,10 +411,10 @@ pub fn compile(schema: &Json) -> Rule {
         return Rule::Choice(words);
     }
     if is_tagged(schema) {
-        return Rule::Table(tagged(list_of(schema, "oneOf").into_iter().flatten(), schema));
+        return Rule::Table(tagged(list_of(schema, "oneOf").into_iter().flatten()));
     }
     if let Some((words, tables)) = words_and_tables(schema) {
-        return Rule::Either(vec![Rule::Choice(words), Rule::Table(tagged(tables.into_iter(), schema))]);
+        return Rule::Either(vec![Rule::Choice(words), Rule::Table(tagged(tables.into_iter()))]);
     }
     match schema["type"].as_str() {
         Some("object") => Rule::Table(table(schema)),
@@ -457,15 +441,6 @@ fn text_of(schema: &Json, key: &str) -> Option<String> {
 fn texts(list: &Json) -> Vec<String> {
     let items = list.as_array().into_iter().flatten();
     items.filter_map(Json::as_str).map(str::to_owned).collect()
-}
-
-fn reserved(entries: &Json) -> Vec<ReservedKey> {
-    let entries = entries.as_object().into_iter().flatten();
-    let reserved = |(name, hint): (&String, &Json)| ReservedKey {
-        name: name.clone(),
-        hint: hint.as_str().unwrap_or_default().to_owned(),
-    };
-    entries.map(reserved).collect()
 }
 
 fn range(schema: &Json) -> Range {
@@ -512,8 +487,8 @@ fn words_and_tables(schema: &Json) -> Option<(Words, Vec<&Json>)> {
 }
 
 /// The rule of the `branches` of an enumeration whose variants are keys.
-fn tagged<'a>(branches: impl Iterator<Item = &'a Json>, schema: &Json) -> TableRule {
-    let mut table = TableRule { group_required: true, reserved: reserved(&schema["x-future"]), ..TableRule::default() };
+fn tagged<'a>(branches: impl Iterator<Item = &'a Json>) -> TableRule {
+    let mut table = TableRule { group_required: true, ..TableRule::default() };
     for branch in branches {
         for mut key in keys(branch) {
             key.required = false;
@@ -535,7 +510,6 @@ fn table(schema: &Json) -> TableRule {
         keys: keys(schema),
         groups,
         group_required: one_of.is_some(),
-        reserved: reserved(&schema["x-future"]),
         varied: schema["x-varied"].as_bool().unwrap_or(false),
         others: schema.get("additionalProperties").filter(|rule| rule.is_object()).map(|rule| Box::new(compile(rule))),
     }

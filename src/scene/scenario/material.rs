@@ -185,7 +185,6 @@ keys! {
     }
 
     /// Film that yields and keeps a set: elastoplastic in plane stress, on logarithmic strain.
-    #[schemars(extend("x-future" = { "wrinkling": "a plastic film carries compression; film of the other laws can wrinkle" }))]
     pub struct Plastic {
         /// Young's modulus.
         young: Pressure, above 0, likely [1e5, 1e12];

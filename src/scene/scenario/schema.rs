@@ -14,17 +14,6 @@ pub(super) fn whole<T: JsonSchema>() -> Json {
     without_null(schema.to_value())
 }
 
-/// The schema of a file for editors, under a title. Files extend one another, so no single file must be complete: only
-/// `droptower check` can say that a key is missing.
-fn published<T: JsonSchema>(title: &str) -> Json {
-    let mut schema = open(whole::<T>());
-    if let Json::Object(top) = &mut schema {
-        top.insert("title".into(), json!(title));
-        top.insert("type".into(), json!("object"));
-    }
-    schema
-}
-
 /// A path of a file that holds the table, or the table itself.
 pub(super) fn path_or_table<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let table = generator.subschema_for::<T>();
@@ -133,31 +122,29 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// Title of its schema.
-    pub fn title(self) -> &'static str {
+    /// Title of its schema, name of the file that holds this, and the schema of a whole file.
+    fn row(self) -> (&'static str, &'static str, fn() -> Json) {
         match self {
-            FileKind::Scenario => "droptower scenario",
-            FileKind::Material => "droptower material",
-            FileKind::Expectations => "droptower expectations",
+            FileKind::Scenario => ("droptower scenario", "droptower.schema.json", whole::<Scenario>),
+            FileKind::Material => ("droptower material", "droptower-material.schema.json", whole::<Material>),
+            FileKind::Expectations => ("droptower expectations", "droptower-expect.schema.json", whole::<Expectations>),
         }
     }
 
     /// Name of the file that holds its schema beside files of this kind.
     pub fn schema_file(self) -> &'static str {
-        match self {
-            FileKind::Scenario => "droptower.schema.json",
-            FileKind::Material => "droptower-material.schema.json",
-            FileKind::Expectations => "droptower-expect.schema.json",
-        }
+        self.row().1
     }
 
-    /// The schema for editors.
+    /// The schema for editors. Files extend one another, so no single file must be complete: only `droptower check` can say
+    /// that a key is missing.
     pub fn schema(self) -> Json {
-        let title = self.title();
-        match self {
-            FileKind::Scenario => published::<Scenario>(title),
-            FileKind::Material => published::<Material>(title),
-            FileKind::Expectations => published::<Expectations>(title),
+        let (title, _, whole) = self.row();
+        let mut schema = open(whole());
+        if let Json::Object(top) = &mut schema {
+            top.insert("title".into(), json!(title));
+            top.insert("type".into(), json!("object"));
         }
+        schema
     }
 }
