@@ -152,8 +152,9 @@ pub fn blocks(list: &str) -> Vec<[String; 2]> {
     let text = fs::read_to_string(root().join("tests/it/broken/files").join(list)).expect("a list");
     let text = text.strip_prefix("=== ").and_then(|text| text.strip_suffix('\n')).expect("a head");
     let parts = text.split("\n=== ").map(|block| {
-        let (head, content) = block.split_once('\n').expect("a line");
-        let content = format!("{content}\n");
+        // The head of a file without content ends with the next one.
+        let (head, content) =
+            block.split_once('\n').map_or((block, String::new()), |(head, own)| (head, format!("{own}\n")));
         [head, content.strip_suffix("\\\n").unwrap_or(&content)].map(str::to_owned)
     });
     parts.collect()
