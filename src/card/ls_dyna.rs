@@ -137,7 +137,7 @@ pub(crate) fn define_curve(number: i64, title: &str, points: &[[f64; 2]], units:
 /// Adds the curves of a fibre set or of flow, several as a table by rate; the number of the curve or the table.
 fn stresses(title: &str, curves: &[Rated<Points>], behind: &mut CurvesBehind, system: System) -> i64 {
     let units = [1.0, system.stress()];
-    if let [(_, only)] = &curves[..] {
+    if let [(_, only)] = curves {
         return behind.add(title, only, units);
     }
     // The curves of a table follow it, in the order of their rates.

@@ -53,6 +53,11 @@ impl Error {
     }
 }
 
+/// Refuses input for which something does not hold, in the words of `message`.
+pub(crate) fn ensure<M: Into<String>>(holds: bool, message: impl FnOnce() -> M) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::new(message())) }
+}
+
 #[cfg(test)]
 mod functions {
     //! Functions whose indices are known in closed form.
@@ -87,9 +92,4 @@ mod functions {
         let variance = all - 1.0;
         (own.iter().map(|v| v / variance).collect(), own.iter().map(|v| v * all / (1.0 + v) / variance).collect())
     }
-}
-
-/// Refuses input for which something does not hold, in the words of `message`.
-pub(crate) fn ensure<M: Into<String>>(holds: bool, message: impl FnOnce() -> M) -> Result<(), Error> {
-    if holds { Ok(()) } else { Err(Error::new(message())) }
 }

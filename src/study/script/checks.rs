@@ -149,7 +149,7 @@ fn unknown_options(known: &[CallOptions], all: &[(&Unit, Words)]) -> Vec<Fault> 
         };
         all.iter().any(is_of)
     };
-    all.iter().flat_map(|(unit, _)| options_of_unit(known, unit, &is_own)).collect()
+    all.iter().flat_map(|(unit, _)| options_of_unit(known, unit, is_own)).collect()
 }
 
 fn options_of_unit(known: &[CallOptions], unit: &Unit, is_own: impl Fn(&str) -> bool) -> Vec<Fault> {

@@ -125,8 +125,11 @@ const MOST_BYTES: usize = 1 << 26;
 /// Lines in which the separator is looked for.
 const SEPARATOR_WITHIN: usize = 1000;
 
+/// Lines with their numbers.
+type Numbered = Vec<(usize, String)>;
+
 /// The lines up to the first row of numbers, and what separates these; none where no line is one of numbers.
-fn separated(lines: &mut Lines<impl BufRead>) -> Result<(Vec<(usize, String)>, Option<Separator>), Error> {
+fn separated(lines: &mut Lines<impl BufRead>) -> Result<(Numbered, Option<Separator>), Error> {
     let (mut first, mut held) = (Vec::new(), 0);
     while let Some(line) = lines.line()? {
         let is_comment = line.text.trim_start().starts_with('#');

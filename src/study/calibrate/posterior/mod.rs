@@ -571,7 +571,7 @@ impl<'a> Sampling<'a> {
         let (most_steps, effective) =
             if is_last { (self.options.steps, 1000.0) } else { (LOOK.min(self.options.steps), 200.0) };
         let usual = ensemble::Options::default();
-        let options = ensemble::Options { seed, steps: usual.steps.min(most_steps), most_steps, effective, ..usual };
+        let options = ensemble::Options { seed, steps: usual.steps.min(most_steps), most_steps, effective };
         let mut place = 0;
         let start = || {
             place += 1;
