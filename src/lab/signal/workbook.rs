@@ -141,7 +141,6 @@ pub fn specimens(path: &Path) -> Result<Option<Export>, Error> {
         let found = export::read(&mut sheet.lines(), Some(&sheet.name));
         let Some(found) = found.map_err(|error| sheet.located(&error).in_file(path))? else { continue };
         export.specimens.extend(found.specimens);
-        export.comments.extend(found.comments);
     }
     Ok((!export.specimens.is_empty()).then_some(export))
 }

@@ -157,9 +157,10 @@ impl Drop {
 
     /// From contact to the end of the first impact, s: the highest point before a later impact that is deeper, or the end.
     pub(super) fn first_impact(&self) -> [f64; 2] {
-        self.signals
-            .series(column::DISPLACEMENT.name)
-            .map_or([0.0; 2], |displacement| [0.0, displacement.time()[first_impact(displacement.values()) - 1]])
+        let end = self.signals.series(column::DISPLACEMENT.name).and_then(|displacement| {
+            displacement.time().get(first_impact(displacement.values()).checked_sub(1)?).copied()
+        });
+        [0.0, end.unwrap_or(0.0)]
     }
 
     fn is_measured(&self, sample: &[f64; 2]) -> bool {

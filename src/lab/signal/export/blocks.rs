@@ -64,13 +64,17 @@ impl Reader {
         Ok(Export { specimens: found, comments })
     }
 
-    /// Adds a row.
+    /// Adds a line of a text.
     pub fn push(&mut self, number: usize, line: &str, separator: Separator) -> Result<(), Error> {
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             self.comments.push(comment.trim().to_owned());
             return Ok(());
         }
-        let mut cells = cells(separator, line);
+        self.push_cells(number, cells(separator, line))
+    }
+
+    /// Adds a row.
+    pub fn push_cells(&mut self, number: usize, mut cells: Vec<String>) -> Result<(), Error> {
         cells.truncate(cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
         if cells.is_empty() {
             self.gap = true;

@@ -100,17 +100,20 @@ pub fn read_text(path: &Path) -> Result<Option<Export>, Error> {
 /// The specimens in the lines of a text, or in those of a `sheet` between tabs; one that is not named in them is called after the
 /// sheet, or numbered. None where they hold no force over displacement.
 pub fn read(lines: &mut Lines<impl BufRead>, sheet: Option<&str>) -> Result<Option<Export>, Error> {
-    let (first, separator) = match sheet {
-        Some(_) => (vec![], Some(Separator::Tab)),
-        None => separated(lines)?,
-    };
-    let Some(separator) = separator else { return Ok(None) };
     let mut reader = Reader::default();
-    for (number, text) in first {
-        reader.push(number, &text, separator)?;
-    }
-    while let Some(line) = lines.line()? {
-        reader.push(line.number, &line.text, separator)?;
+    if sheet.is_some() {
+        // Cells of a workbook are whole: a quote or `#` in them is text.
+        while let Some(line) = lines.line()? {
+            reader.push_cells(line.number, line.text.split('\t').map(|cell| cell.trim().to_owned()).collect())?;
+        }
+    } else {
+        let (first, Some(separator)) = separated(lines)? else { return Ok(None) };
+        for (number, text) in first {
+            reader.push(number, &text, separator)?;
+        }
+        while let Some(line) = lines.line()? {
+            reader.push(line.number, &line.text, separator)?;
+        }
     }
     let export = reader.finish(sheet)?;
     Ok((!export.specimens.is_empty()).then_some(export))
@@ -198,6 +201,24 @@ mod tests {
 
     fn close(found: f64, expected: f64) -> bool {
         (found - expected).abs() <= 1e-6 * expected.abs()
+    }
+
+    /// In a text the row of names would be a comment, and the quotes would take its columns together.
+    #[test]
+    fn cells_of_a_workbook_are_whole() {
+        let of = |first: &str, second: &str| {
+            let head = format!("{first}\t\t{second}\t\nExtension\tLoad\tExtension\tLoad\n(mm)\t(N)\t(mm)\t(N)\n");
+            let rows: String = (0..9).map(|row| format!("{row}\t{}\t{row}\t{}\n", 2 * row, 3 * row)).collect();
+            let text = head + &rows;
+            let export = super::read(&mut super::Lines::new(text.as_bytes()), Some("Sheet")).unwrap().unwrap();
+            assert!(export.comments.is_empty());
+            export.specimens.into_iter().map(|own| (own.name, own.values)).unzip::<_, _, Vec<_>, Vec<_>>()
+        };
+        let (names, values) = of("A", "B");
+        assert_eq!(names, ["A", "B"]);
+        for [first, second] in [["#1", "#2"], ["\"A", "B\""]] {
+            assert_eq!(of(first, second), (vec![first.to_owned(), second.to_owned()], values.clone()));
+        }
     }
 
     #[test]
