@@ -1,9 +1,10 @@
 //! A check of a document, with its diagnostics, each at the place of a key path.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::scenario::{Document, MeshFile};
-use base::diagnostic::{Diagnostic, Diagnostics, Span, shown_path};
+use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 
 /// A check: the diagnostics found so far, and the document that says where they are.
 pub struct Check<'d> {
@@ -27,7 +28,7 @@ impl<'d> Check<'d> {
     }
 
     /// A mistake in the value at the key path, and what to write instead, where that is known.
-    pub fn report_if_known(&mut self, path: &str, message: impl Into<String>, hint: Option<String>) {
+    pub fn report_with_hint_if(&mut self, path: &str, message: impl Into<String>, hint: Option<String>) {
         self.found.0.push(Diagnostic::new(message).at(&self.document.span(path)).hint_if(hint));
     }
 
@@ -97,9 +98,12 @@ impl<'d> Check<'d> {
     /// All mistakes in the order of the text, without repetitions.
     pub fn into_mistakes(self) -> Vec<Diagnostic> {
         let mut mistakes = self.found.0;
-        let place = |span: &Span| (span.source.name.clone(), span.range.start);
-        mistakes.sort_by_cached_key(|mistake| mistake.span.as_ref().map(place));
-        mistakes.dedup_by(|a, b| a.message == b.message && a.span.as_ref().map(place) == b.span.as_ref().map(place));
+        let place =
+            |mistake: &Diagnostic| mistake.span.as_ref().map(|span| (span.source.name.clone(), span.range.start));
+        mistakes.sort_by_cached_key(place);
+        // Faces with one material repeat all of its mistakes, in turn.
+        let mut known = BTreeSet::new();
+        mistakes.retain(|mistake| known.insert((place(mistake), mistake.message.clone())));
         mistakes
     }
 }

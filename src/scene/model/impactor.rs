@@ -31,12 +31,12 @@ pub fn check(scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) -> O
     }
     check_several(&all, loading, check);
     let is_alone = all.len() == 1 && scenario.frame.bars.is_none();
-    let check = |written: &Written<'_>| {
+    let one = |written: &Written<'_>| {
         let body = Body { body: written, loading, symmetry: scenario.specimen.symmetry, is_alone };
         check.exclude(&format!("{}.", written.path), &exclusions::impactor(), &body);
         check_one(written, loading, check)
     };
-    let checked: Vec<Option<Impactor>> = all.iter().map(check).collect();
+    let checked: Vec<Option<Impactor>> = all.iter().map(one).collect();
     checked.into_iter().collect()
 }
 

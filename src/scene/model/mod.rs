@@ -441,7 +441,8 @@ pub struct Motion {
 /// What the run is compared with, measured or virtual: signals, a displacement field, or both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// Its keys as written, without `signals` and `field`, which are below.
+    /// Its keys as written, without `impactor`, `signals` and `field`, which are below. Postcard writes them, but cannot read a
+    /// window: [`decisive`] leaves the reference out of what checkpoints hold.
     pub written: scenario::Reference,
     /// Index of the impactor that it was recorded of.
     pub impactor: usize,

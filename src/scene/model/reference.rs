@@ -59,7 +59,7 @@ pub(super) fn check(
         Some(field) => Some(field?),
         None => None,
     };
-    let written = scenario::Reference { signals: None, field: None, ..written.clone() };
+    let written = scenario::Reference { impactor: None, signals: None, field: None, ..written.clone() };
     Some(Reference { written, impactor: place, signals, field })
 }
 
@@ -71,7 +71,7 @@ fn recorded(name: Option<&str>, impactors: &[Written<'_>], check: &mut Check<'_>
     let place = impactors.iter().position(|impactor| impactor.name.as_deref() == Some(name));
     if place.is_none() {
         let meant = closest(name, names()).map(|meant| format!("did you mean \"{meant}\"?"));
-        check.report_if_known(KEY, format!("there is no impactor \"{name}\""), meant);
+        check.report_with_hint_if(KEY, format!("there is no impactor \"{name}\""), meant);
     }
     place.unwrap_or(0)
 }
@@ -191,7 +191,7 @@ fn times(written: &FieldTimes, files: usize, check: &mut Check<'_>) -> Option<Ve
             match read_times(&path) {
                 Ok(times) => times,
                 Err(error) => {
-                    check.report_if_known(TIMES, error.to_string(), error.hint().map(str::to_owned));
+                    check.report_with_hint_if(TIMES, error.to_string(), error.hint().map(str::to_owned));
                     return None;
                 }
             }

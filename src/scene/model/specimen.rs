@@ -344,7 +344,7 @@ fn prestrained(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
             let path = format!("{path}.prestrain.{key}");
             let hint = written_material(scenario, place).and_then(|written| scaled_break(written, key));
-            check.report_if_known(&path, message, hint);
+            check.report_with_hint_if(&path, message, hint);
         }
     }
 }

@@ -133,7 +133,8 @@ impl FileKind {
 
     /// Name of the file that holds its schema beside files of this kind.
     pub fn schema_file(self) -> &'static str {
-        self.row().1
+        let (_, file, _) = self.row();
+        file
     }
 
     /// The schema for editors. Files extend one another, so no single file must be complete: only `droptower check` can say
