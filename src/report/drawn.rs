@@ -169,18 +169,19 @@ impl PlotData {
 
     /// The plot with this title.
     pub(crate) fn plot(self, title: &str) -> Plot {
-        let mut abscissae: Vec<Vec<Option<f64>>> = Vec::new();
-        let curve = |CurveData { name, look, x, y }: CurveData| {
+        // Borrowed: a page may say of any number of curves that they have the abscissae of a long one.
+        let mut abscissae: Vec<&[Option<f64>]> = Vec::new();
+        let mut curves = Vec::new();
+        for CurveData { name, look, x, y } in &self.curves {
             let x = match x {
-                Abscissae::Own(own) => own,
-                Abscissae::Of(earlier) => abscissae.get(earlier).cloned().unwrap_or_default(),
+                Abscissae::Own(own) => own.as_slice(),
+                Abscissae::Of(earlier) => abscissae.get(*earlier).copied().unwrap_or_default(),
             };
-            let value = |value: &Option<f64>| value.unwrap_or(f64::NAN);
-            let points = x.iter().zip(&y).map(|(x, y)| [value(x), value(y)]).collect();
             abscissae.push(x);
-            Curve { name, points, look }
-        };
-        let curves = self.curves.into_iter().map(curve).collect();
+            let value = |value: &Option<f64>| value.unwrap_or(f64::NAN);
+            let points = x.iter().zip(y).map(|(x, y)| [value(x), value(y)]).collect();
+            curves.push(Curve { name: name.clone(), points, look: *look });
+        }
         Plot { title: title.to_owned(), x: self.x, y: self.y, curves, window: self.window, marks: self.marks }
     }
 }

@@ -179,7 +179,7 @@ fn document(title: &str, policy: &str, [above, below]: [&str; 2], body: &str) ->
     )
 }
 
-/// Warnings in their frame below `facts`, which are not findings, and a section of the notes.
+/// Warnings in their frame below `facts`, which are not findings; what a film's data leave open, and notes, are folded.
 pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item = &'f Finding>) -> String {
     let (open, own): (Vec<&Finding>, Vec<&Finding>) =
         findings.into_iter().partition(|finding| post::left_open(&finding.code).is_some());
@@ -189,16 +189,18 @@ pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item 
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
     };
-    let mut words: Vec<&str> = open.iter().filter_map(|finding| post::left_open(&finding.code)).collect();
-    words.dedup();
-    let open = match items(grouped(&open).into_iter()) {
+    let folded = |title: &str, mut words: Vec<&str>, findings: &[&Finding]| match items(grouped(findings).into_iter()) {
         empty if empty.is_empty() => empty,
-        list => format!(
-            "<details class=\"open\">\n<summary>What this film's data leave open: {}</summary>\n{list}</details>\n",
-            words.join(", ")
-        ),
+        list => {
+            words.dedup();
+            let summary = format!("{title}: {}", escape(&words.join(", ")));
+            format!("<details class=\"open\">\n<summary>{summary}</summary>\n{list}</details>\n")
+        }
     };
-    [warnings, open, section("Notes", &items(grouped(&noted).into_iter()))].concat()
+    let words = open.iter().filter_map(|finding| post::left_open(&finding.code)).collect();
+    let open = folded("What this film's data leave open", words, &open);
+    let notes = folded("Notes", noted.iter().map(|finding| finding.code.as_str()).collect(), &noted);
+    [warnings, open, notes].concat()
 }
 
 /// A line (HTML) for each code: of several findings its meaning and their number, with the findings folded below.
@@ -484,7 +486,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_films_data_leave_open_is_folded() {
+    fn what_a_films_data_leave_open_and_notes_are_folded() {
         let open = ["uncoupled-biaxial", "strain-rate-outside"].map(|code| Finding::of_script(code, "65 %"));
         let html = findings(vec![], &open);
         assert!(!html.contains("<h2>Warnings</h2>"), "{html}");

@@ -44,7 +44,7 @@ fn findings_are_printed_with_severity_and_code() {
     let page = fs::read_to_string(folder.path().join("run/report.html")).expect("a page");
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
     let (warning, note) = (place("<code>virtual-reference</code>"), place("<code>no-laser</code>"));
-    assert!(warning < place("<h2>Notes</h2>") && place("<h2>Notes</h2>") < note);
+    assert!(warning < place("<summary>Notes: ") && place("<summary>Notes: ") < note);
 }
 
 #[test]
