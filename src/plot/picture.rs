@@ -283,7 +283,10 @@ impl Along {
     /// Those of a linear axis from `low` to `high`; it is wider where these are the same.
     pub fn between(low: f64, high: f64) -> Along {
         let (ends, scale) = ([low, high], Scale::Linear);
-        Along { range: if low < high { ends } else { widened(ends, scale) }, scale }
+        Along {
+            range: if high - low > LEAST_SPAN * low.abs().max(high.abs()) { ends } else { widened(ends, scale) },
+            scale,
+        }
     }
 
     /// Where a value lies: zero at the lower end, one at the upper.
@@ -405,8 +408,18 @@ fn draw_entry(
 }
 
 /// A value of an axis as it is written beside it.
-pub fn tick(value: f64) -> String {
+fn tick(value: f64) -> String {
     significant(value, TICK_DIGITS)
+}
+
+/// Values of an axis as they are written beside it, with as many digits as tell neighbours apart.
+pub fn ticks(values: &[f64]) -> Vec<String> {
+    let words = |digits| values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>();
+    let mut all = (TICK_DIGITS..=f64::DIGITS as usize).map(words);
+    all.clone()
+        .find(|words| words.windows(2).all(|pair| pair[0] != pair[1]))
+        .or_else(|| all.next_back())
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -414,6 +427,15 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+
+    #[test]
+    fn neighbours_far_from_nothing_have_words_of_their_own() {
+        for [low, high] in [[1.0, 1.00001], [1.23e12, 1.23e12 + 4e6], [-2e-9, 3e-9], [101_325.0, 101_325.5]] {
+            let words = ticks(&Along::between(low, high).ticks(7));
+            let different: BTreeSet<&String> = words.iter().collect();
+            assert!(words.len() > 3 && different.len() == words.len(), "{words:?}");
+        }
+    }
 
     #[test]
     fn ticks_are_round_and_within_the_range() {

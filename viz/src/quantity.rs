@@ -4,8 +4,8 @@ use re_sdk::{RecordingStream, RecordingStreamResult};
 use re_sdk_types::archetypes::{LineStrips2D, Points2D};
 use re_sdk_types::components::Radius;
 
+use plot::Along;
 use plot::viridis::viridis;
-use plot::{Along, tick};
 
 /// The timeline of what is simulated or measured, in seconds since the start.
 pub const TIME: &str = "time";
@@ -69,7 +69,8 @@ const NUMBERS: usize = 7;
 
 /// Where along an axis its numbers stand, and their words.
 pub(crate) fn ticks(along: &Along) -> Vec<(f64, String)> {
-    along.ticks(NUMBERS).into_iter().map(|value| (along.share(value), tick(value))).collect()
+    let values = along.ticks(NUMBERS);
+    values.iter().map(|value| along.share(*value)).zip(plot::ticks(&values)).collect()
 }
 
 /// Colour of text and guide lines.
