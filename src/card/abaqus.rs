@@ -3,7 +3,7 @@
 //! Of a line of data at most eight values. Stresses and curves of fabric: nominal, the stress first, as connectors have their force
 //! before the motion (Keywords Reference 2017, *UNLOADING DATA); of fabric itself that is from memory.
 
-use super::film::{Draft, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
+use super::film::{Draft, Terms, along_md, bulk_modulus, energy, lost_hill, shear_modulus};
 use super::layout::in_twenty;
 use super::loss::Loss;
 use super::target::Target;
@@ -99,7 +99,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagno
         }
         HyperelasticLaw::Ogden(film) => {
             let terms = film.energy.terms();
-            request.at_most(if has_relaxation { 6 } else { 3 }, terms.len())?;
+            request.at_most(if has_relaxation { 6 } else { 3 }, terms.len(), Terms::Ogden)?;
             // W = Σ 2μ/α² (…) there.
             let row = terms.iter().flat_map(|term| [0.5 * term.mu * term.alpha / stress, term.alpha]);
             let mut row: Vec<f64> = row.collect();

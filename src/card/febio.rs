@@ -1,7 +1,7 @@
 //! Cards of FEBio: a `<material>` of its feb files, for shells, since its elastic membrane has no such law. Names and constants are
 //! those of its sources (`FEBioMech/FEOgdenMaterial.cpp`, `FEUncoupledViscoElasticMaterial.cpp`).
 
-use super::film::{Draft, bulk_modulus, shear_modulus};
+use super::film::{Draft, Terms, bulk_modulus, shear_modulus};
 use super::layout::whole;
 use super::loss::Loss;
 use base::diagnostic::Diagnostic;
@@ -60,7 +60,7 @@ fn rubber(draft: &mut Draft<'_>, law: &HyperelasticLaw) -> Result<String, Diagno
     let Some(viscosity) = viscosity else {
         return Ok(material(draft, "Ogden", &constants(2)));
     };
-    request.at_most(TERMS, viscosity.terms().len())?;
+    request.at_most(TERMS, viscosity.terms().len(), Terms::Prony)?;
     let mut content = element("g0", viscosity.long_term(), 2);
     for (place, term) in viscosity.terms().iter().enumerate() {
         let number = place + 1;

@@ -10,6 +10,15 @@ use membrane::material::{
     Polynomial, RateCurves,
 };
 
+/// What a card has terms of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Terms {
+    /// Of Ogden's energy.
+    Ogden,
+    /// Of relaxation.
+    Prony,
+}
+
 /// A film to be written.
 #[derive(Clone, Debug)]
 pub struct Film<'a> {
@@ -82,18 +91,22 @@ impl Request {
     }
 
     /// Refuses more terms than the target takes.
-    pub(crate) fn at_most(&self, most: usize, terms: usize) -> Result<(), Diagnostic> {
+    pub(crate) fn at_most(&self, most: usize, terms: usize, of: Terms) -> Result<(), Diagnostic> {
         if terms <= most {
             return Ok(());
         }
-        let message = format!("{} takes {most} terms of Ogden's law, not {terms}", self.target.name());
-        Err(Diagnostic::new(message).hint("fit fewer terms: `droptower fit prony`"))
+        let (what, command) = match of {
+            Terms::Ogden => ("Ogden's law", "fit rubber"),
+            Terms::Prony => ("relaxation", "fit prony"),
+        };
+        let message = format!("{} takes {most} terms of {what}, not {terms}", self.target.name());
+        Err(Diagnostic::new(message).hint(format!("fit fewer terms: `droptower {command}`")))
     }
 
     /// The terms of an energy as droptower writes Ogden's law, of which the target takes as many as `most`.
     pub(crate) fn ogden(&self, law: &HyperelasticLaw, most: usize) -> Result<Vec<OgdenTerm>, Diagnostic> {
         let terms = ogden_terms(law).ok_or_else(|| self.no_law(energy(law)))?;
-        self.at_most(most, terms.len()).map(|()| terms)
+        self.at_most(most, terms.len(), Terms::Ogden).map(|()| terms)
     }
 
     /// The rate that was asked for, within the `range` of the curves; none is refused unless the target takes curves `by_rate`.

@@ -60,7 +60,7 @@ pub(crate) fn keyword(name: &str, heading: Option<&str>, system: System, all: &[
     };
     let (plus, cards) = match of_width(10) {
         Some(cards) => ("", cards),
-        None => ("+", of_width(20).unwrap_or_default()),
+        None => ("+", of_width(20).expect("twenty columns hold any number")),
     };
     let heading = heading.map_or_else(String::new, |heading| format!("{heading}\n"));
     format!("*{name}{plus}\n{heading}{cards}")

@@ -76,7 +76,7 @@ pub(crate) const POINT: &str = "X Y";
 
 /// Lines with their values.
 pub(crate) fn of_block(layout: Layout, system: System, values: &[Field]) -> String {
-    lines(layout, Format::Mixed, system, values).unwrap_or_default()
+    lines(layout, Format::Mixed, system, values).expect("twenty columns hold any number")
 }
 
 /// A block with its title and lines with their values.
