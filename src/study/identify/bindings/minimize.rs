@@ -7,7 +7,7 @@ use super::{SearchHost, integer};
 use crate::identify::convergence::{Labels, SignalLabel, thinned};
 use crate::identify::options::{Bounds, Method, Search, Starts};
 use crate::identify::search::{Iteration, SearchResult, StartResult};
-use crate::script::{HostResult, findings_map, number, numbers, record, refuse, refuse_within, shown, unknown, word};
+use crate::script::{HostResult, findings_map, number, numbers, record, refuse, refuse_within, unknown, word};
 use base::finding::Finding;
 use base::removed;
 
@@ -225,9 +225,15 @@ fn history_values(searches: usize, starts: usize, unknowns: usize) -> Option<usi
 fn of_search(result: &SearchResult, names: &[String], values: usize) -> Map {
     let history = history(&result.starts, names, values, result.starts.len() > 1);
     let total: usize = result.starts.iter().map(|start| start.evaluations).sum();
-    let beside =
-        [("history", history.into()), ("starts", shown(&result.starts)), ("total_evaluations", integer(total))];
-    let mut map = record(&result.best, beside);
+    // JSON has no infinity, which the value of a search has none of whose trials succeeded.
+    let of_start = |start: &StartResult| record(start, [("f", start.f.into())]);
+    let starts: Array = result.starts.iter().map(|start| of_start(start).into()).collect();
+    let mut map = of_start(&result.best);
+    map.extend([
+        ("history".into(), history.into()),
+        ("starts".into(), starts.into()),
+        ("total_evaluations".into(), integer(total)),
+    ]);
     map.extend(findings_map(&result.warnings.iter().map(Finding::new).collect::<Vec<_>>()));
     map
 }
