@@ -41,7 +41,7 @@ pub(crate) struct Contents<'a> {
 /// `--out` and `--force` of commands that have a folder for each name.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ResultArgs {
-    /// Folder for the results [default: runs/NAME of the scenario, script or study; runs/NAME.sweep of a sweep]
+    /// Folder for the results; left out, runs/NAME of the scenario, script or study, or runs/NAME.sweep of a sweep
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace results of something else in the same folder

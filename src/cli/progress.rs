@@ -250,6 +250,8 @@ pub(crate) struct SweepBar<'p> {
 
 /// The runs that failed, and when the bar was last renewed.
 struct State {
+    /// Runs that became something.
+    ended: usize,
     failed: usize,
     refused: usize,
     reported: Instant,
@@ -259,13 +261,14 @@ impl<'p> SweepBar<'p> {
     /// Of a sweep of `total` runs that `page` counts.
     pub(crate) fn new(total: usize, page: &'p LivePage, shared: &Shared) -> SweepBar<'p> {
         let bar = bar(Some(total as u64), "{wide_bar} {pos}/{len}  {msg}", shared.quiet || shared.json);
-        let state = State { failed: 0, refused: 0, reported: Instant::now() };
+        let state = State { ended: 0, failed: 0, refused: 0, reported: Instant::now() };
         SweepBar { bar, events: shared.json, quiet: shared.quiet, total, page, state: Mutex::new(state) }
     }
 
     /// Shows what became of a run.
     pub(crate) fn show(&self, event: &Event<'_>) {
         let mut state = base::lock(&self.state);
+        state.ended += usize::from(!matches!(event, Event::Left(_)));
         match event {
             Event::Computed(_, evaluation) => state.failed += usize::from(evaluation.failure.is_some()),
             Event::Refused(_, cause) => {
@@ -277,7 +280,7 @@ impl<'p> SweepBar<'p> {
             Event::Taken(..) | Event::Left(_) => {}
         }
         let (counts, pace) = self.page.runs();
-        if state.reported.elapsed() >= EVERY || counts.done + counts.failed == self.total {
+        if state.reported.elapsed() >= EVERY || state.ended == self.total {
             state.reported = Instant::now();
             self.report(counts, pace, state.failed + state.refused);
         }
