@@ -415,6 +415,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_larger_sample_begins_with_the_points_of_a_smaller() {
+        let points = |samples: usize| {
+            let mut all = Vec::new();
+            let mut limit_state = |points: &[Vec<f64>]| {
+                all.extend_from_slice(points);
+                points.iter().map(|_| Some(1.0)).collect()
+            };
+            monte_carlo(2, &Sampling { samples, ..Sampling::default() }, &mut limit_state).unwrap();
+            all
+        };
+        assert_eq!(points(3 * BATCH + 7)[..BATCH + 5], points(BATCH + 5));
+    }
+
     /// A study of the seed given.
     type Study<'a> = Box<dyn Fn(u64) -> Probability + 'a>;
 

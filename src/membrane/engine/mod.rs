@@ -346,7 +346,8 @@ impl Engine {
         for colour in self.colouring.colours() {
             self.pool.each(colour.len(), |part| {
                 let (film, chunk) = self.chunks[colour[part]];
-                // SAFETY: the colouring holds each chunk once, and those of one colour share no node.
+                // SAFETY: the colouring holds each chunk once, and those of one colour share no node; it counts the nodes of
+                // all films.
                 let (chunk, force) = unsafe { (films[film].entry(chunk), forces.own()) };
                 chunk.add_forces(width, &position, dt, force);
             });

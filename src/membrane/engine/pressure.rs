@@ -164,8 +164,8 @@ impl Engine {
     /// Adds the load of the pressure on the lower side of the last film, if there is one, and its work to the ledger.
     pub(super) fn inflate(&mut self) {
         let (Some(inflation), Some(film)) = (&self.loads.inflation, self.films.last()) else { return };
-        let (nodes, mut now) =
-            (&mut self.nodes, Gas { pressure: inflation.pressure_at(self.progress.time), volume: 0.0 });
+        let nodes = &mut self.nodes;
+        let mut now = Gas { pressure: inflation.pressure_at(self.progress.time), volume: 0.0 };
         film.for_each_intact(|corners| {
             let load = ElementLoad::from_corners(corners, &nodes.position);
             for (n, area) in corners.iter().zip(load.areas) {

@@ -456,6 +456,33 @@ fn a_load_cycle_has_its_closed_form() {
     }
 }
 
+/// Equibiaxial tension and pure shear, strains prescribed: closed forms of film with r₀ = r₉₀.
+#[test]
+fn equibiaxial_tension_and_shear_have_their_closed_forms() {
+    let hardening = table();
+    let hill = Hill::from_strain_ratios([0.7, 1.6, 0.7]);
+    let law = slow(hill, hardening.clone());
+    // T = stiffness (strain − E_p) = ratio σ_y(p) with p σ̄ = 2 T E_p, σ̄ = T/ratio.
+    let stress = |stiffness: f64, strain: f64, ratio: f64| {
+        let off = |plastic: f64| ratio * hardening.stress(2.0 * ratio * plastic) - stiffness * (strain - plastic);
+        stiffness * (strain - zero(0.0, strain, off))
+    };
+    let found = |strains: [f64; 3]| {
+        let mut history = Point::virgin();
+        step(&law, strained(strains), &mut history, 0.0);
+        work_stress(&law, strained(strains), &history)
+    };
+    for strain in [0.01, 0.05, 0.2, 0.5] {
+        let both = stress(YOUNG / (1.0 - 0.45), strain, 1.0 / (hill.f + hill.g).sqrt());
+        let sheared = stress(YOUNG / 1.45, strain, 1.0 / (2.0 * hill.n).sqrt());
+        let cases = [([strain, strain, 0.0], [both, both, 0.0]), ([0.0, 0.0, strain], [0.0, 0.0, sheared])];
+        for (strains, expected) in cases {
+            let found = found(strains);
+            assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9 * YOUNG), "{found:?} for {expected:?}");
+        }
+    }
+}
+
 /// Film at a constant rate of flow carries the flow stress of that rate, slower than the lowest of a table that of the
 /// table's first curve.
 #[test]

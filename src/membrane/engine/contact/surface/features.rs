@@ -100,6 +100,7 @@ impl Features {
         let (mut edges, mut edges_of) = (vec![], vec![[0; 3]; triangles.len()]);
         for of_edge in sorted_sides(&triangles).chunk_by(|one, other| one.ends == other.ends) {
             for side in of_edge {
+                // The edge opposite to a corner begins at the next one.
                 edges_of[side.triangle as usize][(side.corner + 1) % 3] = edges.len() as u32;
             }
             // An edge with one triangle, which a closed mesh does not have, is its own neighbour instead of a panic.
