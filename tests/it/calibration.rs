@@ -95,7 +95,7 @@ fn a_calibration_stops_with_its_study() {
     });
     let (engine, _) = engine_with(host);
     stop.set(Session::of_engine(&engine).stop().clone()).expect("once");
-    let error = engine.eval::<Dynamic>(&text(&["one"])).unwrap_err();
+    let error = engine.eval::<Dynamic>(&text(&["stops"])).unwrap_err();
     assert!(matches!(error.unwrap_inner(), rhai::EvalAltResult::ErrorTerminated(..)), "{error}");
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     assert!(begun.load(Ordering::Relaxed) <= 4 * threads, "trials went on: {begun:?}");

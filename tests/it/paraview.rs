@@ -120,6 +120,7 @@ fn the_series_of_a_drop_agree_with_its_signals() {
     assert!(displacement(0).iter().all(|d| *d == 0.0));
     let [first, last] = [0, 3].map(|state: usize| points(&film[state].1));
     let moved = displacement(3);
+    assert_eq!((first.len(), moved.len()), (last.len(), 3 * last.len()));
     let mut places = first.iter().zip(moved.chunks(3)).zip(&last);
     assert!(places.all(|((first, moved), last)| (first + Vector3::from_column_slice(moved) - last).amax() < 1e-6));
     assert!(array(&film[3].1.data.point, "touching").contains(&1.0));

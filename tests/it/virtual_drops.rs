@@ -244,7 +244,11 @@ fn the_command_prints_figures_and_writes_signals() {
     // Without the laser the same recording gives nearly the same.
     let blind = workbench::figures(&droptower(&[&call[..], &["--without-laser"]].concat()));
     assert_eq!(blind["speed_from"], "fall");
-    workbench::close(workbench::figure(&blind, "impact_velocity_m_s"), exact.speed, 5e-3);
+    let blind = |name: &str| workbench::figure(&blind, name);
+    workbench::close(blind("impact_velocity_m_s"), exact.speed, 5e-3);
+    workbench::close(blind("peak_displacement_m"), exact.displacement, 0.015);
+    assert!((blind("contact_time_s") - exact.contact_time).abs() < 3e-4);
+    assert!((blind("energy_absorption") - exact.absorption).abs() < 0.015);
 }
 
 #[test]

@@ -14,10 +14,10 @@ use re_sdk_types::external::re_types_core::Loggable;
 use re_sdk_types::{ComponentDescriptor, ComponentIdentifier};
 use thiserror::Error;
 
-/// The timeline of recordings.
+/// The timeline of recordings, as in `viz/src/quantity.rs`.
 const TIME: &str = "time";
 
-/// Name of the colours among the components of a film.
+/// Name of the colours among the components of a film, as in `viz/src/film.rs`.
 const COLOURS: &str = "Colours";
 
 /// Rows of one component in the order of their times, ns on the timeline `time`. Static rows come first, at `i64::MIN`.
