@@ -496,7 +496,7 @@ mod tests {
     fn bands_hold_where_the_signal_is_small_and_where_it_is_large() {
         const SHARE: f64 = 0.1;
         let mut random = Stream::new(13);
-        let time: Vec<f64> = (0..=960).map(|sample| 0.1 / 960.0 * f64::from(sample)).collect();
+        let time: Vec<f64> = (0..=160).map(|sample| 0.1 / 160.0 * f64::from(sample)).collect();
         let along = |t: f64| std::f64::consts::PI * t / 0.1;
         let signal = |size: f64, error: &dyn Fn(f64, f64) -> f64| {
             let value = |t: &f64| 100.0 * (along(*t).sin() + 0.1);
@@ -506,7 +506,7 @@ mod tests {
         for size in [Size::Even, Size::InProportion] {
             // Of the fifth at either end and of the rest: means within, and all.
             let mut counts = [[0_usize; 2]; 2];
-            for _ in 0..300 {
+            for _ in 0..120 {
                 let [own, sine, cosine] = [0, 1, 2].map(|_| random.normal());
                 let wave = |t: f64| sine * (7.0 * along(t)).sin() + cosine * (7.0 * along(t)).cos();
                 let even = |t: f64, _: f64| SHARE * level * wave(t);
