@@ -78,7 +78,7 @@ impl Matlab {
         Ok(())
     }
 
-    /// Adds an array that is a text or a single number.
+    /// Adds an array that is a string or a single number.
     fn comment(&mut self, [group, name]: [&str; 2], value: impl Display) {
         let label = if group.is_empty() { name.to_owned() } else { format!("{group}/{name}") };
         self.comments.push(Annotations::value_comment(&label, value));
