@@ -1,7 +1,7 @@
 """Would one more term of the fabric law follow coupons at angles between 0, 45 and 90 degrees?
 
 Fits the curves of MD, TD and shear to coupons at 0, 45 and 90 degrees, as they are (chi = 0) and where
-they yield together (chi = 1: W = Σ E_i e_i²/ρ² W_i(ρ/√E_i), ρ² = Σ E_i e_i², first slopes E_i), and prints
+they yield together (chi = 1: W = Σ E_i e_i²/rho² W_i(rho/√E_i), rho² = Σ E_i e_i², first slopes E_i), and prints
 how far both are off at every angle. Files are called 22.5deg-1.csv, …, with columns of time (s),
 displacement (m) and force (N). Needs NumPy and SciPy; from the repository:
 

@@ -1,6 +1,6 @@
 //! Cards of other solvers, read back as films.
 //!
-//! Three steps: lines and fields of a format with their places ([`entry`]), the fields of a material in the terms of its solver, a
+//! Three steps: lines and fields of a format with their places (`entry`), the fields of a material in the terms of its solver, a
 //! module each, and the film. What is not understood is named; what changes the film and is not understood is refused.
 
 mod entry;
