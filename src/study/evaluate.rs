@@ -104,7 +104,7 @@ pub struct Evaluation {
     pub figures: Vec<(String, Figure)>,
     /// Codes of the findings, each once.
     pub findings: Vec<String>,
-    /// Why the run failed, where it did; its figures are then those until then.
+    /// Why the run failed, where it did; it has no figures then: those until then would count as results of a test.
     pub failure: Option<String>,
     /// Time that the engine took, s.
     pub engine_s: f64,
@@ -305,15 +305,12 @@ impl Evaluations {
     /// A mesh or the reference cannot be read.
     pub fn keys(model: &Model, plan: &Plan) -> Result<EvaluationKeys, EvaluationError> {
         let run = run_key(&without_snapshots(model))?;
-        let figures = match (&model.reference, plan.whole_script()) {
-            // One key for both: its figures follow from the run alone, and it is not kept whole beside them.
-            (None, None) => run,
-            (reference, script) => {
-                let reference = reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
-                Key::from_parts(&[&run.0, &reference.unwrap_or_default(), script.unwrap_or_default().as_bytes()])
-            }
-        };
-        Ok(EvaluationKeys { run, figures })
+        let reference = model.reference.as_ref().map(content).transpose().map_err(EvaluationError::Input)?;
+        let script = plan.whole_script().unwrap_or_default();
+        // Findings of the scenario as written, which the model does not tell: what is written though it is the default.
+        let findings = plan.findings().iter().map(|own| own.code.as_str()).collect::<Vec<_>>().join(" ");
+        let parts = [&run.0, &reference.unwrap_or_default()[..], script.as_bytes(), findings.as_bytes()];
+        Ok(EvaluationKeys { run, figures: Key::from_parts(&parts) })
     }
 
     /// The evaluation under these keys; none where it was not computed before.
@@ -360,7 +357,8 @@ impl Evaluations {
         };
         let evaluation = match ran {
             Ok(outcome) => {
-                if keys.run != keys.figures && !is_kept {
+                let is_wanted_again = model.reference.is_some() || plan.whole_script().is_some();
+                if is_wanted_again && !is_kept {
                     self.write(Kind::Run, keys.run, &outcome)?;
                 }
                 match plan.evaluate(model, &outcome) {
@@ -371,11 +369,8 @@ impl Evaluations {
             }
             Err(RunError::Cancelled) => return Err(EvaluationError::Cancelled),
             Err(RunError::Failure(failure)) => {
-                let cause = failure_message(&failure, model);
-                let so_far = plan.measure(model, &failure.so_far).ok();
-                let wall = begin.elapsed().as_secs_f64();
-                let so_far = so_far.map(|results| Evaluation::from_outcome(model, &failure.so_far, &results, wall));
-                Evaluation { failure: Some(cause.clone()), ..so_far.unwrap_or_else(|| Evaluation::failed(cause)) }
+                let (engine_s, wall_s) = (failure.so_far.wall.as_secs_f64(), begin.elapsed().as_secs_f64());
+                Evaluation { engine_s, wall_s, ..Evaluation::failed(failure_message(&failure, model)) }
             }
             // What may be different at the next try must not be stored as the value of this point.
             Err(error) if may_pass(&error, model, keys.run) => {

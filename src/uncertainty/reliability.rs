@@ -185,6 +185,9 @@ fn within_levels(
         let leads_on = |threshold: &f64| level.outputs.iter().any(|g| g > threshold);
         // Fewer than a tenth that fail are counted only where no level follows.
         let threshold = level.threshold().filter(|at| !level.fails() || !is_last && leads_on(at));
+        if threshold == Some(f64::INFINITY) {
+            return Err(Error::new(format!("nine tenths of the outputs of level {number} are missing")));
+        }
         if let Some(threshold) = threshold.filter(|at| !leads_on(at)) {
             return Err(Error::new(format!(
                 "all samples of level {number} have the output {threshold}: nothing leads on to failure"
@@ -518,6 +521,11 @@ mod tests {
             subset_simulation(2, &subset, &mut flat).unwrap_err(),
             Error::new("all samples of level 0 have the output 1: nothing leads on to failure")
                 .of_kind(Kind::NoProgress)
+        );
+        let mut rare = |points: &[Vec<f64>]| (0..points.len()).map(|place| (place % 20 == 0).then_some(1.0)).collect();
+        assert_eq!(
+            subset_simulation(2, &subset, &mut rare).unwrap_err(),
+            Error::new("nine tenths of the outputs of level 0 are missing")
         );
         let uneven = Sampling { samples: 105, ..subset };
         assert_eq!(

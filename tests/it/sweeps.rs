@@ -166,6 +166,29 @@ fn failed_and_refused_runs_are_rows_with_their_cause() {
     assert!(rows[1]["peak_displacement_m"].is_empty());
 }
 
+/// A run that fails after a while held until then, which is no result of a test.
+#[test]
+fn a_run_that_fails_has_no_figures() {
+    let scene = scene("[variation]\n\"loading.impact.gravity\" = [9.81, 1e6]\n");
+    let output = sweep(scene.path(), &[]);
+    assert!(error(&output).contains("1 of 2 runs failed: strains of face "), "{}", error(&output));
+    let rows = table(scene.path());
+    assert_eq!([&rows[0]["ruptured"], &rows[1]["ruptured"]], ["false", ""]);
+    assert!(rows[1]["peak_displacement_m"].is_empty());
+}
+
+/// A finding that follows from what is written, and not from the model: the default in words is another run.
+#[test]
+fn findings_of_the_scenario_are_those_of_its_run() {
+    let scene = scene("[variation]\n\"impactor.mass\" = [\"10 kg\"]\n");
+    let flagged = |more: &[&str]| {
+        assert!(sweep(scene.path(), more).status.success());
+        table(scene.path())[0]["findings"].contains("absorption-not-given")
+    };
+    let given = ["--set", "specimen.material.fabric.absorption=0", "--force"];
+    assert!(flagged(&[]) && !flagged(&given) && flagged(&["--force"]));
+}
+
 #[test]
 fn a_distribution_of_values_that_cannot_be_has_a_warning() {
     let scene = scene(
@@ -411,6 +434,28 @@ fn probabilities_of_failure_and_their_findings() {
         "failure_probability(drop, #{ figure: \"ruptured\", below: 0, samples: 20, vary: vary })",
     );
     refused(&few, "\"monte-carlo\"");
+}
+
+/// The energy ½ m v² hardly scatters where a heavy impactor is a slow one, and is above its mean by a fifth of its deviation in four
+/// of ten runs where they are independent.
+#[test]
+fn a_probability_of_failure_knows_what_is_correlated() {
+    let scene = scene("");
+    for (correlation, low, high) in [("0.0", 0.25, 0.6), ("-0.9999", 0.0, 0.1)] {
+        let vary = format!(
+            "#{{ \"impactor.mass\": #{{ lognormal: #{{ mean: 10.0, deviation: 0.2 }} }}, \"loading.impact.velocity\": #{{ lognormal: \
+             #{{ mean: 4.0, deviation: 0.04 }} }}, correlation: #{{ keys: [\"impactor.mass\", \"loading.impact.velocity\"], \
+             matrix: [[1.0, {correlation}], [{correlation}, 1.0]] }} }}"
+        );
+        let expression = format!(
+            "let found = failure_probability(drop, #{{ figure: \"impact_energy_J\", above: 80.4, method: \"monte-carlo\", samples: 100, \
+             vary: {vary} }}); measure(\"found\", found.probability)"
+        );
+        let found = workbench::figure(&figures(&studied(scene.path(), &expression)), "found");
+        assert!((low..=high).contains(&found), "{correlation}: {found}");
+        let surrogate = studied(scene.path(), &format!("surrogate(drop, #{{ samples: 8, vary: {vary} }})"));
+        refused(&surrogate, "these are correlated");
+    }
 }
 
 #[test]

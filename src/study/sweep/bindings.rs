@@ -14,7 +14,7 @@ use crate::sweep::{Sweep, SweepError, SweepResults, Warning};
 use base::finding::Finding;
 use base::removed;
 use base::table::{Column, Values};
-use scene::model::{self, Factor};
+use scene::model::{self, Factor, Variation};
 use scene::scenario::{Assignment, Document};
 use uncertainty::design::{self, Levels, Method};
 use uncertainty::distribution::Family as Distributed;
@@ -87,9 +87,13 @@ fn varied(study: &Study, options: &Options<'_>) -> HostResult<Document> {
 }
 
 /// What varies in a scenario.
-fn factors(document: &Document) -> HostResult<Vec<Factor>> {
+fn variation(document: &Document) -> HostResult<Variation> {
     let variation = model::variation(document).map_err(|mistakes| refused(SweepError::Scenario(mistakes)))?;
-    Ok(variation.ok_or_else(|| refused(SweepError::NothingVaries))?.factors)
+    let variation = variation.ok_or_else(|| refused(SweepError::NothingVaries))?;
+    if variation.is_table() {
+        return Err(refuse("the rows of a table are given, nothing is drawn from them: `sweep` runs them"));
+    }
+    Ok(variation)
 }
 
 fn assignment(path: &str, value: &Value) -> HostResult<Assignment> {
@@ -149,7 +153,13 @@ fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
     let asked = asked.map_err(|found| refuse!("expected a list of names as figures, found {found}"))?;
     let document = varied(study, options)?;
-    let factors = factors(&document)?;
+    let variation = variation(&document)?;
+    if !variation.is_independent() {
+        return Err(refuse(
+            "the shares of a surrogate are of independent keys, and these are correlated; `sweep` takes correlated ones",
+        ));
+    }
+    let factors = variation.factors;
     let axes = vec![Levels::Continuous; factors.len()];
     let points = design::points(Method::Sobol, &axes, samples, seed).map_err(refuse)?;
     let sweep = Sweep::prepare_at(&document, &points).map_err(refused)?;
@@ -216,7 +226,7 @@ fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) ->
     options.check(&["vary", "figure", "above", "below", "method", "samples", "seed"])?;
     let limit = Limit::read(options)?;
     let document = varied(study, options)?;
-    let inputs = factors(&document)?.len();
+    let inputs = variation(&document)?.factors.len();
     let seed = whole(options, "seed", 1)? as u64;
     let samples = whole(options, "samples", 500)?;
     let mut failed: Option<Box<EvalAltResult>> = None;
@@ -304,7 +314,7 @@ fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     let step = options.needed_number("step")?;
     let stairs = Staircase::new(options.needed_number("start")?, step).map_err(refuse)?;
     let document = varied(study, options)?;
-    let factors = document.varied_keys().len();
+    let factors = variation(&document)?.factors.len();
     let mut outcomes: Vec<Outcome> = vec![];
     for _ in 0..count {
         let level = stairs.next_level(&outcomes);

@@ -73,12 +73,12 @@ impl Sweep {
     }
 
     /// The sweep at places of the unit cube: of each key the probability of at most its value, in the order of the
-    /// keys.
+    /// keys. Where keys are correlated, places are those of independent ones.
     ///
     /// # Errors
     /// As those of [`Sweep::prepare`].
     pub fn prepare_at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
-        Sweep::with_points(document, |_| Ok(Points::Places(places.to_vec())))
+        Sweep::with_points(document, |variation| Ok(variation.coupled(places)))
     }
 
     fn with_points(

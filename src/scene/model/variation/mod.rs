@@ -30,7 +30,12 @@ pub struct Variation {
 impl Variation {
     /// Whether the values of different keys do not depend on each other, as the rows of a table may.
     pub fn is_independent(&self) -> bool {
-        self.correlation.is_none() && !matches!(self.method, Method::Table(_))
+        self.correlation.is_none() && !self.is_table()
+    }
+
+    /// Whether the runs are the rows of a table.
+    pub fn is_table(&self) -> bool {
+        matches!(self.method, Method::Table(_))
     }
 
     /// How the values of the runs are chosen, in words.
@@ -215,15 +220,19 @@ impl Variation {
         if count > MOST {
             return Err(Diagnostic::new(format!("the variation has more than {MOST} runs")));
         }
-        if let Method::Table(_) = self.method {
+        if self.is_table() {
             return Ok(Points::Rows(count));
         }
-        let mut chosen = design::points(self.sampling(), &self.levels(), count, self.seed)
+        let chosen = design::points(self.sampling(), &self.levels(), count, self.seed)
             .map_err(|error| Diagnostic::new(error.to_string()))?;
-        if let Some(correlation) = &self.correlation {
-            chosen.iter_mut().for_each(|point| *point = correlation.apply(point));
-        }
-        Ok(Points::Places(chosen))
+        Ok(self.coupled(&chosen))
+    }
+
+    /// The points at places of independent factors.
+    pub fn coupled(&self, places: &[Vec<f64>]) -> Points {
+        let coupled =
+            |place: &Vec<f64>| self.correlation.as_ref().map_or_else(|| place.clone(), |own| own.apply(place));
+        Points::Places(places.iter().map(coupled).collect())
     }
 
     /// The values of the run at `place` among `points`.
