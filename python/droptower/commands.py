@@ -143,12 +143,15 @@ def reduce(kind: str, *recordings: PathLike, quiet: bool = True, **options: Any)
 
 def compare(
     *runs: PathLike | Run,
-    out: PathLike = "runs/compare",
+    out: PathLike | None = None,
     within: PathLike | None = None,
     force: bool = False,
 ) -> Comparison:
     """Compares runs with the first of them; `within` names bounds, and a run outside of them raises Failed."""
     places = [str(run.path) if isinstance(run, Run) else _path(run) for run in runs]
+    if out is None:
+        named = [Path(place).resolve() for place in places[:2]]
+        out = Path("runs", "-".join(run.name if run.is_dir() else run.stem for run in named) + ".compare")
     arguments = ["compare", *places, *_options(out, force, None), "--json"]
     if within is not None:
         arguments += ["--within", _path(within)]

@@ -120,6 +120,16 @@ pub fn percentage(text: &str) -> Option<f64> {
     number.parse::<f64>().ok().filter(|number| number.is_finite()).map(|number| number / 100.0)
 }
 
+/// Whether two texts are the same quantity, as "0.66m" and "660 mm" are.
+pub fn is_same(one: &str, other: &str) -> bool {
+    let quantity = |text: &str| {
+        let (number, unit) = split_number(text.trim());
+        let (factor, powers) = parse_unit(unit).ok().filter(|_| !unit.is_empty())?;
+        Some((scale(number.parse().ok()?, factor), powers))
+    };
+    one == other || quantity(one).is_some_and(|own| Some(own) == quantity(other))
+}
+
 impl Dimension {
     /// The dimension with this name ("a length").
     pub fn named(name: &str) -> Option<Dimension> {

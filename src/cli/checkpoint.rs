@@ -326,7 +326,7 @@ fn differences(then: &str, now: &str) -> Vec<String> {
     let [then, now] = [leaves(then), leaves(now)];
     let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
     let difference = |key: &String| match (then.get(key), now.get(key)) {
-        (there, here) if there == here => None,
+        (there, here) if scenario::is_same_value(there, here) => None,
         (Some(there), Some(here)) if there.len().max(here.len()) > LONGEST_VALUE => {
             Some(format!("there `{key}` is another one"))
         }

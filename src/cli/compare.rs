@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::failure::{all, both, hinted, recording, refuse};
-use crate::folder::ResultPlace;
+use crate::folder::{ResultArgs, ResultPlace};
 use crate::scenarios;
 use crate::{Failure, Shared, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
@@ -20,12 +20,8 @@ pub(super) struct CompareArgs {
     /// Run folders, or files of signals; each is compared with the first
     #[arg(required = true, value_name = "RUN")]
     pub runs: Vec<PathBuf>,
-    /// Folder for the results
-    #[arg(long, value_name = "DIR", default_value = "runs/compare")]
-    pub out: PathBuf,
-    /// Replace results of other runs or of something else in the same folder
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// Compare this signal alone, by its name in signals.csv; may be given several times
     #[arg(long, value_name = "NAME")]
     pub signal: Vec<String>,
@@ -46,7 +42,7 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let mut summary = comparison.summary();
     summary.insert("answer".into(), compare_page::sentence(&comparison).into());
-    summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&args.out, Path::new(".")).into());
+    summary.insert(run_files::WORKING_FOLDER.into(), store::path_from(&place.folder, Path::new(".")).into());
     summary.extend(outside.as_deref().map(|outside| ("outside".to_owned(), json!(outside))));
     let page = compare_page::compare_page(&comparison, outside.as_deref());
     let (_, files) = place.store(&summary, |_| Ok(()), page, Draft::publish)?;
@@ -109,14 +105,21 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
 
 /// The folder of the results, which replace neither files of the user nor any of the runs, nor those of other runs or of a script.
 fn place(args: &CompareArgs) -> Result<ResultPlace, Failure> {
-    store::check_places(std::slice::from_ref(&args.out))?;
-    let replaced = args.runs.iter().find(|run| is_same(run, &args.out) || run.starts_with(&args.out));
+    let name = |run: &PathBuf| {
+        let run = run.canonicalize().unwrap_or_else(|_| run.clone());
+        let name = if run.is_dir() { run.file_name() } else { run.file_stem() };
+        name.unwrap_or_default().to_string_lossy().into_owned()
+    };
+    let names: Vec<String> = args.runs.iter().take(2).map(name).collect();
+    let out = args.results.folder(&format!("{}.compare", names.join("-")))?;
+    store::check_places(std::slice::from_ref(&out))?;
+    let replaced = args.runs.iter().find(|run| is_same(run, &out) || run.starts_with(&out));
     // A run folder has signals, the folder of a comparison has none.
-    let is_run = || args.out.join(run_files::SIGNALS).exists();
+    let is_run = || out.join(run_files::SIGNALS).exists();
     let message = match replaced {
         Some(run) => format!("the results would replace {}, which is compared", shown_path(run)),
-        None if is_run() => format!("the results would replace the run {}", shown_path(&args.out)),
-        None => return ResultPlace::new(args.out.clone(), Origin::of_comparison(&args.runs), args.force),
+        None if is_run() => format!("the results would replace the run {}", shown_path(&out)),
+        None => return ResultPlace::new(out, Origin::of_comparison(&args.runs), args.results.force),
     };
     Err(Diagnostic::new(message).hint("give another --out").into())
 }

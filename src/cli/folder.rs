@@ -18,7 +18,7 @@ use lab::signal::{Recording, csv};
 use report::vtu::{self, VtuError};
 use report::{self, RunPage};
 use scene::model::Model;
-use scene::scenario::leaves;
+use scene::scenario::{is_same_value, leaves};
 use scene::simulate::Outcome;
 use study::post::{self, Audit, Impact, Measures, Results};
 use study::script::{Row, ScriptOutput};
@@ -41,7 +41,8 @@ pub(crate) struct Contents<'a> {
 /// `--out` and `--force` of commands that have a folder for each name.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ResultArgs {
-    /// Folder for the results; left out, runs/NAME of the scenario, script or study, or runs/NAME.sweep of a sweep
+    /// Folder for the results; left out, runs/NAME of the scenario, script or study, runs/NAME.sweep of a sweep or
+    /// runs/NAME-NAME.compare of the first two runs that are compared
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace results of something else in the same folder
@@ -52,8 +53,12 @@ pub(crate) struct ResultArgs {
 impl ResultArgs {
     /// The folder for the results of this name and origin, checked.
     pub(crate) fn place(&self, name: &str, origin: Origin) -> Result<ResultPlace, Failure> {
-        let folder = self.out.clone().map_or_else(|| store::default_place(name), Ok)?;
-        ResultPlace::new(folder, origin, self.force)
+        ResultPlace::new(self.folder(name)?, origin, self.force)
+    }
+
+    /// The folder for results of this name.
+    pub(crate) fn folder(&self, name: &str) -> Result<PathBuf, StoreError> {
+        self.out.clone().map_or_else(|| store::default_place(name), Ok)
     }
 }
 
@@ -112,7 +117,8 @@ pub(crate) fn replaced_scenario(place: &Path, what: &str, scenario: &str) -> Opt
 /// Says which keys of results at `place`, which are about to be replaced, were others than `now`; none where all are equal.
 pub(crate) fn replaced(place: &Path, what: &str, [former, now]: [BTreeMap<String, String>; 2]) -> Option<String> {
     let keys: BTreeSet<&String> = former.keys().chain(now.keys()).collect();
-    let differs: Vec<String> = keys.into_iter().filter(|key| former.get(*key) != now.get(*key)).cloned().collect();
+    let differs = |key: &&String| !is_same_value(former.get(*key), now.get(*key));
+    let differs: Vec<String> = keys.into_iter().filter(differs).cloned().collect();
     let named = match differs.len() {
         0 => return None,
         count if count > MOST_KEYS => format!("{} and {} more keys", listed(&differs[..MOST_KEYS]), count - MOST_KEYS),

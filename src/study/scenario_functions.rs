@@ -115,6 +115,16 @@ impl Study {
         &self.0.model
     }
 
+    /// What is measured of its runs.
+    pub(crate) fn plan(&self) -> &Plan {
+        &self.0.plan
+    }
+
+    /// How many runs of it and its like were computed before.
+    pub(crate) fn runs_taken(&self) -> usize {
+        self.0.evaluations.as_ref().map_or(0, |all| all.counts()[0])
+    }
+
     /// The scenario as written, with its changes.
     pub fn document(&self) -> &Document {
         &self.0.document

@@ -28,7 +28,7 @@ pub use impactor::*;
 pub use loading::*;
 pub use material::*;
 pub use output::*;
-pub use resolved::{Assumption, assumptions, leaves};
+pub use resolved::{Assumption, assumptions, is_same_value, leaves};
 pub use schema::{FileKind, open as schema_for_editors};
 pub use specimen::*;
 pub use tree::{Assignment, Entry, Node, Table, Value, parse as parse_tree};

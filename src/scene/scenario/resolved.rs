@@ -9,6 +9,7 @@ use toml_edit::{DocumentMut, Item, TableLike};
 use super::grammar::Rule;
 use super::tree::{Node, Table, Value};
 use base::diagnostic::{Span, tidy_path};
+use base::units;
 
 /// The tree as TOML, with the paths in it made absolute. The comment at the end of the line of a value is preserved: it
 /// has its source, and whether it is assumed.
@@ -110,6 +111,24 @@ fn gather(path: &str, value: toml::Value, leaves: &mut BTreeMap<String, String>)
             items.into_iter().enumerate().for_each(|(place, item)| gather(&under(&place.to_string()), item, leaves));
         }
         leaf => drop(leaves.insert(path.to_owned(), leaf.to_string())),
+    }
+}
+
+/// Whether a key has the same value in two of them, however it is written (9.0 and 9, "0.66m" and "660 mm"), or is in neither.
+pub fn is_same_value(one: Option<&String>, other: Option<&String>) -> bool {
+    let value = |text: Option<&String>| text?.parse::<toml::Value>().ok();
+    one == other || value(one).zip(value(other)).is_some_and(|(one, other)| is_same(&one, &other))
+}
+
+fn is_same(one: &toml::Value, other: &toml::Value) -> bool {
+    use toml::Value::{Array, Float, Integer, String};
+    match (one, other) {
+        (String(one), String(other)) => units::is_same(one, other),
+        (Float(float), Integer(whole)) | (Integer(whole), Float(float)) => *float == *whole as f64,
+        (Array(one), Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| is_same(one, other))
+        }
+        _ => one == other,
     }
 }
 
@@ -233,5 +252,22 @@ mod tests {
             assert_eq!(text.matches(line).count(), times, "{line} in\n{text}");
         }
         assert_eq!(super::leaves(&text)["layer.0.height"], "\"0 mm\"");
+    }
+
+    #[test]
+    fn the_same_value_may_be_written_in_several_ways() {
+        for (one, other, is_same) in [
+            ("9", "9.0", true),
+            ("\"0.66m\"", "\"660 mm\"", true),
+            ("[1, \"915 kg/m3\"]", "[1.0, \"915.0 kg/m3\"]", true),
+            ("[1, 2]", "[1, 2, 3]", false),
+            ("\"12 um\"", "\"12 mm\"", false),
+            ("\"12 um\"", "12e-6", false),
+            ("\"CFC60\"", "\"CFC180\"", false),
+            ("\"1008\"", "\"1008.0\"", false),
+        ] {
+            let [own, that] = [one, other].map(str::to_owned);
+            assert_eq!(super::is_same_value(Some(&own), Some(&that)), is_same, "{one} {other}");
+        }
     }
 }

@@ -411,7 +411,7 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
 }
 
 /// `#{ samples, figures, signals, above, errors, seed }`.
-fn asked(options: &Options<'_>) -> HostResult<Asked> {
+pub(super) fn asked(options: &Options<'_>) -> HostResult<Asked> {
     options.check(&file::predict_options())?;
     let numbers = |name: &str, example: &str| -> HostResult<Vec<(String, f64)>> {
         let Some(given) = options.map.get(name) else { return Ok(Vec::new()) };

@@ -70,9 +70,12 @@ impl Fit {
     /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
     pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
         let mut values = plan.start();
-        let begin = Instant::now();
+        let taken = |plan: &Plan| plan.tests.iter().map(|test| test.study.runs_taken()).sum::<usize>();
+        let (begin, before) = (Instant::now(), taken(plan));
         let simulated = simulated_at(plan, &values, session)?;
-        host.tell(&beforehand(plan, begin.elapsed()));
+        // Of runs that a former study left, the time says nothing.
+        let first = (taken(plan) == before).then(|| begin.elapsed());
+        host.tell(&beforehand(plan, first));
         set_simulated(plan, &simulated);
         let mut so_far = SoFar::default();
         so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
@@ -133,12 +136,11 @@ impl Fit {
     }
 }
 
-/// What is ahead: runs, and how long they take by the time of the first run of all tests, unless that was kept from a former
-/// study.
-fn beforehand(plan: &Plan, first: Duration) -> String {
+/// What is ahead: runs, and how long they take by the time of the first run of all tests, where that is known.
+fn beforehand(plan: &Plan, first: Option<Duration>) -> String {
     let (tests, unknowns, cores) = (plan.tests.len(), plan.unknowns.len(), rayon::current_num_threads());
     // All tests at once may leave cores idle; the runs of a search do not. Stages on larger elements cost little.
-    let each = first.as_secs_f64() * tests.min(cores) as f64 / cores as f64;
+    let each = first.unwrap_or_default().as_secs_f64() * tests.min(cores) as f64 / cores as f64;
     let cheap = if plan.stages.is_empty() { 1.0 } else { 0.5 };
     let some = |[least, most]: [usize; 2], share: f64| {
         let (shortest, longest) = (each * share * least as f64, each * most as f64);

@@ -187,19 +187,16 @@ impl Asked {
         self.figures.iter().chain(self.above.iter().map(|(name, _)| name)).chain(self.errors.keys())
     }
 
-    /// Refuses a figure that no run of a scenario can have, before any runs; those of its post script are known only then.
+    /// Refuses a figure that no run of a scenario can have, before any runs. A post script may make up names that it does not hold,
+    /// but hardly ones that are nearly those of all runs.
     pub(super) fn check_names(&self, study: &Study) -> HostResult<()> {
-        if study.model().post.is_some() {
-            return Ok(());
-        }
         let has_several = study.model().impactors.len() > 1;
-        match self.names().find(|name| !is_known(name, has_several)) {
-            None => Ok(()),
-            Some(name) => {
-                let known = post::figures();
-                Err(no_figure(name, known.iter().map(|own| own.name.as_str())))
-            }
-        }
+        let (script, figures) = (study.plan().whole_script(), post::figures());
+        let known = || figures.iter().map(|own| own.name.as_str());
+        let may_be_of = |script: &String, name| script.contains(name) || did_you_mean(name, known()).is_none();
+        let may_be =
+            |name| is_known(name, has_several) || script.as_ref().is_some_and(|script| may_be_of(script, name));
+        self.names().find(|name| !may_be(name)).map_or(Ok(()), |name| Err(no_figure(name, known())))
     }
 
     /// Whether the runs have the figures that are asked for.

@@ -1,6 +1,6 @@
 //! Comparison of runs: their figures, the keys of their scenarios and their signals, each with those of the first run.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -218,7 +218,10 @@ fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
     // A recording has no scenario, so it does not count as different.
     let given: Vec<_> = scenarios.iter().filter(|scenario| !scenario.is_empty()).collect();
     let paths: BTreeSet<&String> = scenarios.iter().flat_map(|scenario| scenario.keys()).collect();
-    let differs = |path: &&String| given.iter().any(|scenario| scenario.get(*path) != given[0].get(*path));
+    let is_other = |path: &String, scenario: &BTreeMap<String, String>| {
+        !scenario::is_same_value(scenario.get(path), given[0].get(path))
+    };
+    let differs = |path: &&String| given.iter().any(|scenario| is_other(path, scenario));
     let of = |path: &String| ComparedKey {
         path: path.clone(),
         values: scenarios.iter().map(|scenario| scenario.get(path).cloned()).collect(),
