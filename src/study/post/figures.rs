@@ -247,8 +247,8 @@ pub fn reached(at: &str, value: f64) -> String {
 /// Share in % below which a figure shows no digits.
 pub const LEAST_SHARE: f64 = 0.01;
 
-/// The finding that questions whether film holds, which stands in the answer.
-const BREAK_STRAIN: &str = "break-strain-of-coupons";
+/// The findings that question whether film holds and what the first figures are of, which stand in the answer.
+const DOUBTS: [&str; 2] = ["break-strain-of-coupons", "frame-hit"];
 
 /// Most figures of an impactor in a sentence.
 const MOST_TOLD: usize = 3;
@@ -274,7 +274,7 @@ pub fn answer(model: &Model, results: &Results, failed: bool) -> String {
         (!told.is_empty()).then(|| format!("{}{}", whose(prefix), told.join(", ")))
     };
     let told: Vec<String> = prefixes(results).iter().filter_map(of_body).collect();
-    let doubts = results.findings.iter().filter(|finding| finding.code == BREAK_STRAIN);
+    let doubts = results.findings.iter().filter(|finding| DOUBTS.contains(&finding.code.as_str()));
     let doubts: String = doubts.map(|finding| format!(" {}.", capital(&finding.message))).collect();
     if told.is_empty() { format!("{film}.{doubts}") } else { format!("{film}: {}.{doubts}", told.join("; ")) }
 }
