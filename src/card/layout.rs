@@ -223,6 +223,28 @@ mod tests {
         }
     }
 
+    /// The lines of all layouts, as the sources have them.
+    fn all_lines() -> impl Iterator<Item = &'static str> {
+        let cards = [include_str!("ls_dyna.rs"), include_str!("openradioss.rs")];
+        let decks = [include_str!("deck/ls_dyna.rs"), include_str!("deck/openradioss.rs")];
+        let constants = cards.into_iter().chain(decks).flat_map(|source| source.split("const ").skip(1));
+        let layouts = constants.map(|constant| constant.split(';').next().unwrap_or_default());
+        layouts
+            .filter(|text| text.contains(": Layout") || text.contains(": &str"))
+            .flat_map(|text| text.split('"').skip(1).step_by(2))
+    }
+
+    #[test]
+    fn every_quantity_of_a_layout_has_a_unit() {
+        let mut fields = 0;
+        for column in all_lines().flat_map(|line| columns(line, Format::Mixed)) {
+            let value = column.in_units(1.0, System::KgMS);
+            assert!((value - 1.0).abs() < 1e-12, "{}: {value}", column.name);
+            fields += 1;
+        }
+        assert!(fields > 400, "{fields} fields were found in the sources");
+    }
+
     proptest! {
         #[test]
         fn what_is_written_is_read(mantissa in -10.0_f64..10.0, exponent in -20_i32..20, width in 10_usize..24) {
