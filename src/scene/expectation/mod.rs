@@ -156,11 +156,11 @@ impl Expectations {
     pub fn check(document: &Document) -> Result<Expectations, Vec<Diagnostic>> {
         let (written, mistakes) = document.expectations();
         let is_read = mistakes.is_empty();
-        let mut check = Check { document, is_read, mistakes: Diagnostics(mistakes) };
-        let found = written.map(|written| check.all(&written));
+        let mut checker = Checker { document, is_read, mistakes: Diagnostics(mistakes) };
+        let found = written.map(|written| checker.all(&written));
         match found {
-            Some(found) if check.mistakes.0.is_empty() => Ok(found),
-            _ => Err(check.mistakes.0),
+            Some(found) if checker.mistakes.0.is_empty() => Ok(found),
+            _ => Err(checker.mistakes.0),
         }
     }
 
@@ -171,14 +171,14 @@ impl Expectations {
     }
 }
 
-struct Check<'a> {
+struct Checker<'a> {
     document: &'a Document,
     /// Whether every key was read: where one was not, another that is missing may be what it stands for.
     is_read: bool,
     mistakes: Diagnostics,
 }
 
-impl Check<'_> {
+impl Checker<'_> {
     fn all(&mut self, written: &scenario::Expectations) -> Expectations {
         let signals = written.signals.iter().map(|(name, bounds)| (name.clone(), self.signal(name, bounds)));
         let signals = signals.collect();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::loading::Indent;
-use super::{Check, Face, Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
+use super::{Checker, Face, Hold, Impactor, ImpactorShape, Loading, Model, Symmetry};
 use crate::mesh::{Outline, Side};
 
 const DEPTH: &str = "loading.indent.depth";
@@ -13,7 +13,7 @@ const SPANS: f64 = 3.0;
 
 /// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
 /// would reach the frame.
-pub(super) fn check(model: &Model, check: &mut Check<'_>) {
+pub(super) fn check(model: &Model, checker: &mut Checker<'_>) {
     let (Loading::Indent(Indent { depth, .. }), Some(impactor)) = (&model.loading, model.impactor()) else { return };
     // What follows is of an upright impactor.
     if impactor.orientation != [0.0; 3] {
@@ -27,12 +27,12 @@ pub(super) fn check(model: &Model, check: &mut Check<'_>) {
     };
     if spans.is_beside() {
         let hint = "the position of its axis is measured from the centre of the specimen";
-        check.report_with("impactor.position", "the impactor passes beside the film", hint);
+        checker.report_with("impactor.position", "the impactor passes beside the film", hint);
         return;
     }
     if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
         let hint = format!("it reaches the frame at {}", millimetres(limit));
-        check.report_with(DEPTH, "the impactor reaches the frame before this depth", hint);
+        checker.report_with(DEPTH, "the impactor reaches the frame before this depth", hint);
     }
     for face in &model.faces {
         // The others lie below the first face.
@@ -42,13 +42,13 @@ pub(super) fn check(model: &Model, check: &mut Check<'_>) {
                 continue;
             };
             let hint = format!("strained evenly from edge to edge, {name} breaks at {}", millimetres(before + limit));
-            check.report_with(DEPTH, "the film breaks before this depth", hint);
+            checker.report_with(DEPTH, "the film breaks before this depth", hint);
             return;
         }
     }
     if let Some(span) = spans.narrowest().filter(|span| *depth > SPANS * span) {
         let hint = format!("the film spans {}; a bare number is in m", millimetres(span));
-        check.report_with(DEPTH, format!("deeper than {SPANS} times the span of the film"), hint);
+        checker.report_with(DEPTH, format!("deeper than {SPANS} times the span of the film"), hint);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What excludes what: tables of keys and of what they are refused beside, which one loop checks and the documents print.
 
 use super::loading::{Impactors, Inertia};
-use super::{Check, Hold, Loading, Symmetry};
+use super::{Checker, Hold, Loading, Symmetry};
 use crate::mesh::Side;
 use crate::scenario::{self, BodyShape, Guide, ImpactorShape, MountingCurve, Scenario};
 
@@ -23,14 +23,14 @@ pub(super) struct Exclusion<F> {
 
 impl<F> Exclusion<F> {
     /// Reports the `key` of the table at `path`.
-    fn report(&self, key: &str, path: &str, check: &mut Check<'_>) {
+    fn report(&self, key: &str, path: &str, checker: &mut Checker<'_>) {
         let hint = self.hint.replace("{}", path);
         match self.message {
-            Some(message) => check.report_with(key, message, hint),
-            None => check.out_of_place(key, hint),
+            Some(message) => checker.report_with(key, message, hint),
+            None => checker.out_of_place(key, hint),
         }
         if let Some([other, text]) = self.label {
-            check.label(&other.replace("{}", path), text);
+            checker.label(&other.replace("{}", path), text);
         }
     }
 }
@@ -302,7 +302,7 @@ exclusions! {
 /// Most entries of a list of tables whose keys are looked for.
 const MOST_PLACES: usize = 64;
 
-impl Check<'_> {
+impl Checker<'_> {
     /// Reports the keys of the table at `path`, which ends with a point, that the `exclusions` refuse there, each at its
     /// first row, and returns them.
     pub(super) fn exclude<F>(&mut self, path: &str, exclusions: &[Exclusion<F>], facts: &F) -> Vec<&'static str> {

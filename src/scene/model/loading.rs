@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use serde::{Deserialize, Serialize};
 
 use super::impactor::{Written, impactors};
-use super::{Check, Guide, Hold, Impactor, Model};
+use super::{Checker, Guide, Hold, Impactor, Model};
 use crate::mesh::{Outline, Side};
 use crate::scenario::{self, Axis, Direction, Scenario};
 use base::number::significant;
@@ -316,10 +316,10 @@ pub enum Impactors {
 }
 
 /// The loading in SI values.
-pub(super) fn check(scenario: &Scenario, check: &mut Check<'_>) -> Loading {
+pub(super) fn check(scenario: &Scenario, checker: &mut Checker<'_>) -> Loading {
     match &scenario.loading {
-        scenario::Loading::Impact(impact) => Loading::Impact(check_impact(impact, scenario, check)),
-        scenario::Loading::Stretch(stretch) => Loading::Stretch(check_stretch(stretch, scenario, check)),
+        scenario::Loading::Impact(impact) => Loading::Impact(check_impact(impact, scenario, checker)),
+        scenario::Loading::Stretch(stretch) => Loading::Stretch(check_stretch(stretch, scenario, checker)),
         scenario::Loading::Indent(scenario::Indent { depth, velocity, mass_scaling }) => {
             Loading::Indent(Indent { depth: depth.0, velocity: velocity.0, mass_scaling: *mass_scaling })
         }
@@ -335,9 +335,9 @@ pub(super) fn check(scenario: &Scenario, check: &mut Check<'_>) -> Loading {
 }
 
 /// The impact in SI values.
-fn check_impact(written: &scenario::Impact, scenario: &Scenario, check: &mut Check<'_>) -> Impact {
+fn check_impact(written: &scenario::Impact, scenario: &Scenario, checker: &mut Checker<'_>) -> Impact {
     const KEY: &str = "loading.impact";
-    let impactors = &impactors(scenario, check);
+    let impactors = &impactors(scenario, checker);
     let gravity = written.gravity.0;
     let is_given = written.velocity.is_some() || written.drop_height.is_some();
     let takes = |impactor: &&Written<'_>| moves(impactor) && impactor.velocity.is_none();
@@ -352,21 +352,21 @@ fn check_impact(written: &scenario::Impact, scenario: &Scenario, check: &mut Che
             }
             _ => format!("`{}` gives the velocity", impactors[0].key("velocity")),
         };
-        check.out_of_place(&format!("{KEY}.{key}"), why);
+        checker.out_of_place(&format!("{KEY}.{key}"), why);
     } else if !is_given && is_missing {
         let message = "`loading.impact` needs one of `velocity`, `drop_height`";
         let own = taking.map_or_else(|| "impactor.velocity".to_owned(), |impactor| impactor.key("velocity"));
-        check.report_with(KEY, message, format!("or give `{own}`, a vector"));
+        checker.report_with(KEY, message, format!("or give `{own}`, a vector"));
     }
     if written.drop_height.is_some() && gravity == 0.0 {
-        check.report("loading.impact.gravity", "`drop_height` needs gravity");
-        check.label("loading.impact.drop_height", "the drop height");
+        checker.report("loading.impact.gravity", "`drop_height` needs gravity");
+        checker.label("loading.impact.drop_height", "the drop height");
     }
     let above = impactors.iter().find(|impactor| impactor.position.len() > 2 && takes(impactor));
     if let Some(above) = above.filter(|_| written.drop_height.is_some()) {
         let height = above.key("position");
         let why = format!("the impactor falls from the height of `{height}`: give its velocity there");
-        check.out_of_place(&format!("{KEY}.drop_height"), why);
+        checker.out_of_place(&format!("{KEY}.drop_height"), why);
     }
     let fall = |height: f64| (2.0 * gravity * height).sqrt();
     let own = impactors.first().and_then(|impactor| impactor.velocity).map(|[_, _, along]| -along.0);
@@ -384,10 +384,10 @@ fn moves(impactor: &Written<'_>) -> bool {
 }
 
 /// Jaws hold a rectangle of unstrained film, whose orientation the loading gives.
-fn check_stretch(written: &scenario::Stretch, scenario: &Scenario, check: &mut Check<'_>) -> Stretch {
+fn check_stretch(written: &scenario::Stretch, scenario: &Scenario, checker: &mut Checker<'_>) -> Stretch {
     if !matches!(scenario.specimen.shape, scenario::Shape::Rectangle(_)) {
-        check.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
-        check.label("loading.stretch", "the loading");
+        checker.report_with("specimen.shape", "`loading.stretch` needs a rectangle", "jaws hold straight edges");
+        checker.label("loading.stretch", "the loading");
     }
     let angle = match written.direction {
         Direction::Axis(Axis::Machine) => 0.0,

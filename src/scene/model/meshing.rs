@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::exclusions::Scene;
 use super::loading::{Impact, Impactors};
-use super::{Check, Face, Guide, Impactor, ImpactorShape, Loading, Model, Warning};
+use super::{Checker, Face, Guide, Impactor, ImpactorShape, Loading, Model, Warning};
 use crate::mesh::{Element, Grading, Outline, Zone, import};
 use crate::scenario::{Around, Implausible, Meshing, Shape};
 use base::number::{grouped, rounded, significant};
@@ -20,33 +20,33 @@ pub(super) fn check_grading(
     faces: &mut [Face],
     impactors: &[Impactor],
     shape: Option<&Outline>,
-    check: &mut Check<'_>,
+    checker: &mut Checker<'_>,
 ) {
     let Scene { scenario, loading, .. } = *scene;
     let shared = &scenario.specimen.mesh;
     for (place, face) in faces.iter_mut().enumerate() {
         let written = scenario.layer.get(place).map_or(shared.clone(), |layer| layer.mesh.over(shared));
-        let key = |check: &Check<'_>, key: &str| check.document.face_key(place, &format!("mesh.{key}"));
+        let key = |checker: &Checker<'_>, key: &str| checker.document.face_key(place, &format!("mesh.{key}"));
         let Some(fine) = written.fine.map(|fine| fine.0) else {
-            for path in ["around", "within", "growth"].map(|name| key(check, name)) {
-                if check.is_written(&path) {
-                    check.out_of_place(&path, "`fine` is the edge length there");
+            for path in ["around", "within", "growth"].map(|name| key(checker, name)) {
+                if checker.is_written(&path) {
+                    checker.out_of_place(&path, "`fine` is the edge length there");
                 }
             }
             continue;
         };
-        let path = key(check, "fine");
+        let path = key(checker, "fine");
         if matches!(scenario.specimen.shape, Shape::Mesh(_)) {
-            check.out_of_place(&path, "an imported mesh has its own element sizes");
+            checker.out_of_place(&path, "an imported mesh has its own element sizes");
             continue;
         }
         if fine >= face.meshing.size {
-            check.report_with(&path, "`fine` is not smaller than `size`", "leave it out where all have one size");
-            check.label(&key(check, "size"), "the largest edge length");
+            checker.report_with(&path, "`fine` is not smaller than `size`", "leave it out where all have one size");
+            checker.label(&key(checker, "size"), "the largest edge length");
             continue;
         }
-        let path = if written.around.is_some() { key(check, "around") } else { path };
-        let Some(zones) = zones(&written, &path, loading, face.height, impactors, check) else { continue };
+        let path = if written.around.is_some() { key(checker, "around") } else { path };
+        let Some(zones) = zones(&written, &path, loading, face.height, impactors, checker) else { continue };
         let grading = Grading { fine, growth: written.growth.unwrap_or(GROWTH), zones };
         let beside = |zone: &Zone| {
             let distance = shape.and_then(|shape| shape.distance(zone.at));
@@ -55,7 +55,7 @@ pub(super) fn check_grading(
         };
         if !grading.zones.is_empty() && grading.zones.iter().all(beside) {
             let hint = "give a place on the film: x and y are measured from its origin";
-            check.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
+            checker.report_with(&path, "no element of the film becomes finer: this place lies beside it", hint);
             continue;
         }
         face.meshing.grading = Some(grading);
@@ -69,7 +69,7 @@ fn zones(
     loading: &Loading,
     height: f64,
     impactors: &[Impactor],
-    check: &mut Check<'_>,
+    checker: &mut Checker<'_>,
 ) -> Option<Vec<Zone>> {
     let within = written.within.map(|within| within.0);
     if let Some(Around::Point(point)) = written.around {
@@ -77,14 +77,14 @@ fn zones(
     }
     let hint = "give a point: `around = [\"0 mm\", \"0 mm\"]`";
     if loading.impactors() == Impactors::None {
-        return check.refuse(path, "this loading has no impactor around which elements could be fine", hint);
+        return checker.refuse(path, "this loading has no impactor around which elements could be fine", hint);
     }
     // A missing impactor is a mistake of its own.
     if impactors.is_empty() {
         return None;
     }
     if impactors.iter().any(|impactor| matches!(impactor.guide, Guide::Hinge(_))) {
-        return check.refuse(path, "where an impactor on a hinge meets the film is not known", hint);
+        return checker.refuse(path, "where an impactor on a hinge meets the film is not known", hint);
     }
     let zone = |impactor: &Impactor| {
         let radius = footprint(&impactor.shape, impactor.orientation != [0.0; 3])?;
@@ -157,14 +157,14 @@ const MOTION_BYTES: f64 = 12.0;
 pub const SNAPSHOT_MEMORY: f64 = 4e8;
 
 /// Refuses runs that do not fit into memory and elements larger than the film.
-pub fn check_size(model: &Model, check: &mut Check<'_>) {
-    files(model, check);
+pub fn check_size(model: &Model, checker: &mut Checker<'_>) {
+    files(model, checker);
     let (mut total, mut film, mut memory) = (0.0, 0.0, 0.0);
     for (place, face) in model.faces.iter().enumerate() {
-        let path = mesh_path(model, place, check);
+        let path = mesh_path(model, place, checker);
         if face.meshing.size > largest_side(&model.specimen.shape) {
             let message = "an element is larger than the film";
-            check.report_with(&path, message, "a bare number is in m");
+            checker.report_with(&path, message, "a bare number is in m");
             return;
         }
         let elements = elements(model, face);
@@ -178,69 +178,69 @@ pub fn check_size(model: &Model, check: &mut Check<'_>) {
                 significant(memory * 1e-9, 2)
             );
             let fit = total * (MOST_MEMORY - (memory - film)).max(0.0) / film;
-            too_large(&path, message, fit, check);
+            too_large(&path, message, fit, checker);
             return;
         }
     }
-    if check.found.0.is_empty() {
-        samples(model, memory + motion(model, memory, check), check);
+    if checker.found.0.is_empty() {
+        samples(model, memory + motion(model, memory, checker), checker);
     }
 }
 
 /// Reports a mesh that is too large, of whose elements so many `fit`, at the sizes that are implausible where there are any: they are its cause.
-fn too_large(path: &str, message: String, fit: f64, check: &mut Check<'_>) {
+fn too_large(path: &str, message: String, fit: f64, checker: &mut Checker<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
-    let sizes: Vec<Implausible> = check.document.implausible().into_iter().filter(is_size).collect();
+    let sizes: Vec<Implausible> = checker.document.implausible().into_iter().filter(is_size).collect();
     let fit = grouped(rounded(fit, 2) as u64);
     let hint = format!("a run may take {} GB: about {fit} such elements", MOST_MEMORY / 1e9);
     if sizes.is_empty() {
-        return check.report_with(path, message, hint);
+        return checker.report_with(path, message, hint);
     }
     for size in sizes {
         let key = size.key.clone();
-        check.report_with(&key, Warning::Value(size).to_string(), format!("{message}; {hint}"));
+        checker.report_with(&key, Warning::Value(size).to_string(), format!("{message}; {hint}"));
     }
 }
 
 /// Refuses mesh files that are too large to be read.
-fn files(model: &Model, check: &mut Check<'_>) {
+fn files(model: &Model, checker: &mut Checker<'_>) {
     for mesh in model.meshes() {
         let length = length(mesh.path);
         if length > LONGEST_FILE {
             let message = format!("the mesh file is too long: {:.1} GB", length / 1e9);
-            check.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
+            checker.report_with(&mesh.key, message, format!("at most {} GB are read", LONGEST_FILE / 1e9));
         }
     }
 }
 
 /// Memory of the recorded motion of a face, bytes; refused where it does not fit beside the rest.
-fn motion(model: &Model, rest: f64, check: &mut Check<'_>) -> f64 {
+fn motion(model: &Model, rest: f64, checker: &mut Checker<'_>) -> f64 {
     let Some(motion) = &model.output.motion else { return 0.0 };
     let nodes = model.faces.get(motion.face).map_or(0.0, |face| elements(model, face));
     let memory = motion.times.len() as f64 * nodes * MOTION_BYTES;
     if rest + memory > MOST_MEMORY {
         let message = format!("the film at {} times needs about {:.1} GB of memory", motion.times.len(), memory / 1e9);
         let hint = format!("a run may take {} GB: leave files out", MOST_MEMORY / 1e9);
-        check.report_with("reference.field.times", message, hint);
+        checker.report_with("reference.field.times", message, hint);
     }
     memory
 }
 
 /// Refuses recordings that do not fit into memory beside the `film`, bytes.
-fn samples(model: &Model, film: f64, check: &mut Check<'_>) {
+fn samples(model: &Model, film: f64, checker: &mut Checker<'_>) {
     let samples = model.run_time() * model.output.sample_rate;
     let memory = film + samples * PER_SAMPLE;
     if memory > MOST_MEMORY {
         let message = format!("{samples:.2e} samples and the film need about {:.1} GB of memory", memory / 1e9);
-        check.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
+        checker.report_with("output.sample_rate", message, format!("a run may take {} GB", MOST_MEMORY / 1e9));
     }
 }
 
 /// Key path of the element size of a face.
-fn mesh_path(model: &Model, place: usize, check: &Check<'_>) -> String {
+fn mesh_path(model: &Model, place: usize, checker: &Checker<'_>) -> String {
     match model.specimen.shape {
         Outline::Mesh { .. } => "specimen.shape.mesh".to_owned(),
-        _ => check.document.face_key(place, "mesh.size"),
+        _ => checker.document.face_key(place, "mesh.size"),
     }
 }
 

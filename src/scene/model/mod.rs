@@ -1,7 +1,7 @@
 //! The checked scenario: SI values, complete, immutable.
 
 mod depth;
-mod diagnostics;
+mod checker;
 mod exclusions;
 mod frame;
 mod meshing;
@@ -17,7 +17,7 @@ mod warning;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use diagnostics::Check;
+use checker::Checker;
 use exclusions::Scene;
 pub use exclusions::exclusions;
 use serde::{Deserialize, Serialize};
@@ -48,51 +48,51 @@ pub fn check(document: &Document) -> Result<Model, Vec<Diagnostic>> {
 /// # Errors
 /// All mistakes of the file, at once.
 pub fn check_material(document: &Document) -> Result<Material, Vec<Diagnostic>> {
-    checked(document, document.material(), |written, check| material::check(written, "", check))
+    checked(document, document.material(), |written, checker| material::check(written, "", checker))
 }
 
 /// The value of what is written in `document`, with the mistakes found in it so far; none of both alone.
 fn checked<W, T>(
     document: &Document,
     (written, mistakes): (Option<W>, Vec<Diagnostic>),
-    value: impl FnOnce(&W, &mut Check<'_>) -> Option<T>,
+    value: impl FnOnce(&W, &mut Checker<'_>) -> Option<T>,
 ) -> Result<T, Vec<Diagnostic>> {
-    let mut check = Check::new(document, mistakes);
-    match written.and_then(|written| value(&written, &mut check)) {
-        Some(value) if check.found.0.is_empty() => Ok(value),
-        _ => Err(check.into_mistakes()),
+    let mut checker = Checker::new(document, mistakes);
+    match written.and_then(|written| value(&written, &mut checker)) {
+        Some(value) if checker.found.0.is_empty() => Ok(value),
+        _ => Err(checker.into_mistakes()),
     }
 }
 
 /// Every part is checked before the first missing one ends it.
-fn model(scenario: &Scenario, check: &mut Check<'_>) -> Option<Model> {
-    let name = check.document.name();
-    let specimen = specimen::check(&scenario.specimen, check);
+fn model(scenario: &Scenario, checker: &mut Checker<'_>) -> Option<Model> {
+    let name = checker.document.name();
+    let specimen = specimen::check(&scenario.specimen, checker);
     // Ahead of the parts below, which may be refused or required by its kind.
-    let loading = loading::check(scenario, check);
-    let hold = frame::check_hold(scenario, &loading, check);
+    let loading = loading::check(scenario, checker);
+    let hold = frame::check_hold(scenario, &loading, checker);
     let scene = Scene { scenario, loading: &loading, hold: &hold };
-    let refused = check.exclude("", &exclusions::scene(), &scene);
-    let mut faces = specimen::check_faces(&scene, check);
-    let frame = frame::check(&scene, specimen.as_ref(), faces.as_deref(), &refused, check);
-    let air = frame::check_air(&scene, faces.as_deref(), check);
-    let impactors = impactor::check(scenario, &loading, check);
+    let refused = checker.exclude("", &exclusions::scene(), &scene);
+    let mut faces = specimen::check_faces(&scene, checker);
+    let frame = frame::check(&scene, specimen.as_ref(), faces.as_deref(), &refused, checker);
+    let air = frame::check_air(&scene, faces.as_deref(), checker);
+    let impactors = impactor::check(scenario, &loading, checker);
     let first = impactors.as_deref().unwrap_or_default().first();
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
-    meshing::check_grading(&scene, graded, all, shape, check);
+    meshing::check_grading(&scene, graded, all, shape, checker);
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
     let loading = loading.with_impactor(first);
     let scene = Scene { loading: &loading, ..scene };
-    let mut output = reference::check_output(&scene, specimen.as_ref(), check);
-    let reference = reference::check(&scene, specimen.as_ref(), faces.as_deref(), check);
+    let mut output = reference::check_output(&scene, specimen.as_ref(), checker);
+    let reference = reference::check(&scene, specimen.as_ref(), faces.as_deref(), checker);
     if let (Some(field), Some(specimen)) = (reference.as_ref().and_then(|known| known.field.as_ref()), &specimen) {
         output.motion = Some(reference::motion(field, loading.run_time(&specimen.shape)));
     }
-    let post = reference::check_post(scenario, check);
-    let contact = frame::check_contact(&scene, faces.as_deref(), impactors.as_deref().unwrap_or_default(), check);
+    let post = reference::check_post(scenario, checker);
+    let contact = frame::check_contact(&scene, faces.as_deref(), impactors.as_deref().unwrap_or_default(), checker);
     if let Some(written) = &scenario.variation {
-        variation::check(written, check);
+        variation::check(written, checker);
     }
     let model = Model {
         title: scenario.title.clone().unwrap_or_else(|| name.clone()),
@@ -110,8 +110,8 @@ fn model(scenario: &Scenario, check: &mut Check<'_>) -> Option<Model> {
         post,
     };
     // Last, since these ask about the whole.
-    meshing::check_size(&model, check);
-    depth::check(&model, check);
+    meshing::check_size(&model, checker);
+    depth::check(&model, checker);
     Some(model)
 }
 

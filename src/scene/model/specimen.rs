@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::exclusions::Scene;
-use super::{Check, Face, Loading, Specimen, Symmetry, material};
+use super::{Checker, Face, Loading, Specimen, Symmetry, material};
 use crate::mesh::{Element, MeshErrorKind, Meshing, Outline, Polygon, import};
 use crate::scenario::{self, Layer, Layers, MountingCurve, Scale, Scenario};
 use base::diagnostic::shown_path;
@@ -14,13 +14,13 @@ use base::units::Length;
 use membrane::material::{Criterion, Curve, Law, LayerBreaks, Material};
 
 /// The specimen in SI values; none where the file of its mesh is missing.
-pub fn check(specimen: &scenario::Specimen, check: &mut Check<'_>) -> Option<Specimen> {
+pub fn check(specimen: &scenario::Specimen, checker: &mut Checker<'_>) -> Option<Specimen> {
     let shape = match &specimen.shape {
         scenario::Shape::Rectangle([x, y]) => Outline::Rectangle { x: x.0, y: y.0 },
         scenario::Shape::Circle(circle) => Outline::Circle { radius: circle.radius() },
-        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, specimen.symmetry, check)?),
+        scenario::Shape::Polygon(written) => Outline::Polygon(polygon(written, specimen.symmetry, checker)?),
         scenario::Shape::Mesh(file) => {
-            let (path, scale) = check.mesh("specimen.shape.mesh", file)?;
+            let (path, scale) = checker.mesh("specimen.shape.mesh", file)?;
             Outline::Mesh { path, scale }
         }
     };
@@ -29,36 +29,36 @@ pub fn check(specimen: &scenario::Specimen, check: &mut Check<'_>) -> Option<Spe
 }
 
 /// The outline with its holes, from corners or a drawing.
-fn polygon(written: &scenario::Polygon, symmetry: Symmetry, check: &mut Check<'_>) -> Option<Polygon> {
+fn polygon(written: &scenario::Polygon, symmetry: Symmetry, checker: &mut Checker<'_>) -> Option<Polygon> {
     const KEY: &str = "specimen.shape.polygon";
     let key = |name: &str| format!("{KEY}.{name}");
     let (path, polygon) = match (&written.file, &written.points) {
         // Neither or both are a mistake that was reported when they were read.
         (None, None) | (Some(_), Some(_)) => return None,
         (None, Some(points)) => {
-            if written.unit.is_some() && !check.is_inherited(&key("unit")) {
-                check.out_of_place(&key("unit"), "corners have their own units");
+            if written.unit.is_some() && !checker.is_inherited(&key("unit")) {
+                checker.out_of_place(&key("unit"), "corners have their own units");
             }
             let holes = written.holes.iter().map(|hole| corners(hole)).collect();
             (key("points"), Polygon { outer: corners(points), holes })
         }
         (Some(_), None) => {
             // Those of inherited corners go with them.
-            if !written.holes.is_empty() && !check.is_inherited(&key("holes")) {
-                check.out_of_place(&key("holes"), "`file` gives the holes");
+            if !written.holes.is_empty() && !checker.is_inherited(&key("holes")) {
+                checker.out_of_place(&key("holes"), "`file` gives the holes");
             }
             let path = key("file");
-            let file = check.file(&path)?;
+            let file = checker.file(&path)?;
             match import::polygon(&file, written.unit.map(scenario::MeshUnit::metres)) {
                 Ok(polygon) => (path, polygon),
                 Err(fault) => {
                     let message = format!("{}: {fault}", shown_path(&file));
                     match fault.kind {
-                        MeshErrorKind::NoUnit => check.report_with(&path, message, "give it: `unit = \"mm\"`"),
+                        MeshErrorKind::NoUnit => checker.report_with(&path, message, "give it: `unit = \"mm\"`"),
                         MeshErrorKind::OtherUnit => {
-                            check.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
+                            checker.report_with(&key("unit"), message, "leave `unit` out, or correct the drawing");
                         }
-                        _ => check.report(&path, message),
+                        _ => checker.report(&path, message),
                     }
                     return None;
                 }
@@ -72,7 +72,7 @@ fn polygon(written: &scenario::Polygon, symmetry: Symmetry, check: &mut Check<'_
                 MeshErrorKind::Hole(hole) if written.file.is_none() => key(&format!("holes.{hole}")),
                 _ => path,
             };
-            check.report(&path, fault.to_string());
+            checker.report(&path, fault.to_string());
             None
         }
     }
@@ -94,22 +94,22 @@ pub fn is_along_axes(angle: f64) -> bool {
 }
 
 /// The faces; none where a material is missing or no material.
-pub(super) fn check_faces(scene: &Scene<'_>, check: &mut Check<'_>) -> Option<Vec<Face>> {
+pub(super) fn check_faces(scene: &Scene<'_>, checker: &mut Checker<'_>) -> Option<Vec<Face>> {
     let Scene { scenario, loading, .. } = *scene;
     let own = scenario.specimen.material.as_ref();
-    let shared = own.map(|written| film(written, "specimen.material", check));
+    let shared = own.map(|written| film(written, "specimen.material", checker));
     let layers = if scenario.layer.is_empty() { &stacked(scenario) } else { &scenario.layer };
-    let faces = layers.iter().enumerate().map(|(place, layer)| face(scenario, layer, place, shared.as_ref(), check));
+    let faces = layers.iter().enumerate().map(|(place, layer)| face(scenario, layer, place, shared.as_ref(), checker));
     let faces: Vec<Option<Face>> = faces.collect();
     let mut faces = faces.into_iter().collect::<Option<Vec<Face>>>()?;
-    heights(&faces, scenario, loading, check);
+    heights(&faces, scenario, loading, checker);
     if let Some(angle) = loading.md_angle() {
         faces.iter_mut().for_each(|face| face.md_angle = angle);
     }
-    rested(&mut faces, scenario, check);
-    mirrored(&faces, scenario, check);
-    prestrained(&faces, scenario, check);
-    taut(&faces, scenario, loading, check);
+    rested(&mut faces, scenario, checker);
+    mirrored(&faces, scenario, checker);
+    prestrained(&faces, scenario, checker);
+    taut(&faces, scenario, loading, checker);
     Some(faces)
 }
 
@@ -175,29 +175,29 @@ fn layer_breaks(scatter: f64, layers: u32) -> LayerBreaks {
     LayerBreaks::new(factors).unwrap_or_default()
 }
 
-fn film<'s>(written: &'s scenario::Material, path: &str, check: &mut Check<'_>) -> Option<Film<'s>> {
-    let material = material::check(written, path, check)?;
-    Some(Film { written, material, relaxed: relaxed(written, path, check) })
+fn film<'s>(written: &'s scenario::Material, path: &str, checker: &mut Checker<'_>) -> Option<Film<'s>> {
+    let material = material::check(written, path, checker)?;
+    Some(Film { written, material, relaxed: relaxed(written, path, checker) })
 }
 
 /// The curves without multipliers where film relaxes to them; those with them were checked before.
-fn relaxed(written: &scenario::Material, path: &str, check: &mut Check<'_>) -> Option<[Curve; 2]> {
+fn relaxed(written: &scenario::Material, path: &str, checker: &mut Checker<'_>) -> Option<[Curve; 2]> {
     let fabric = written.fabric.as_ref().filter(|fabric| fabric.mounting == MountingCurve::QuasiStatic)?;
     if fabric.md.rates.is_some() || fabric.td.rates.is_some() {
         let why = "film with `rates` is mounted at the slowest of them";
-        check.out_of_place(&format!("{path}.fabric.mounting"), why);
+        checker.out_of_place(&format!("{path}.fabric.mounting"), why);
         return None;
     }
     if fabric.biaxial > 0.0 {
         let message = "film with `biaxial` cannot be mounted at its quasi-static curves";
-        check.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
-        check.label(&format!("{path}.fabric.biaxial"), "the coupling");
+        checker.report_with(&format!("{path}.fabric.mounting"), message, "leave one of them out");
+        checker.label(&format!("{path}.fabric.biaxial"), "the coupling");
         return None;
     }
     let mut unscaled = written.clone();
     let fabric = unscaled.fabric.as_mut()?;
     (fabric.scale, fabric.md.scale, fabric.td.scale) = (Scale::default(), None, None);
-    match material::check(&unscaled, path, check)?.law {
+    match material::check(&unscaled, path, checker)?.law {
         Law::Fabric(fabric) => Some([fabric.md().clone(), fabric.td().clone()]),
         _ => None,
     }
@@ -216,7 +216,7 @@ fn face(
     layer: &Layer,
     place: usize,
     shared: Option<&Option<Film<'_>>>,
-    check: &mut Check<'_>,
+    checker: &mut Checker<'_>,
 ) -> Option<Face> {
     let (table, hint) = match scenario.layer.is_empty() {
         true => ("specimen".to_owned(), "what one layer is made of"),
@@ -224,34 +224,34 @@ fn face(
     };
     let path = format!("{table}.material");
     let film = match (&layer.material, shared) {
-        (Some(written), _) => film(written, &path, check),
+        (Some(written), _) => film(written, &path, checker),
         (None, Some(shared)) => shared.clone(),
         (None, None) => {
-            check.missing(&path, hint);
+            checker.missing(&path, hint);
             None
         }
     };
     let mesh = layer.mesh.over(&scenario.specimen.mesh);
-    let meshing = meshing(scenario, &mesh, &format!("{table}.mesh.size"), check);
+    let meshing = meshing(scenario, &mesh, &format!("{table}.mesh.size"), checker);
     Some(film?.face(scenario, layer, meshing?))
 }
 
 /// The meshing of a face as `written`, with the size of its elements at `path`.
-fn meshing(scenario: &Scenario, written: &scenario::Meshing, path: &str, check: &mut Check<'_>) -> Option<Meshing> {
+fn meshing(scenario: &Scenario, written: &scenario::Meshing, path: &str, checker: &mut Checker<'_>) -> Option<Meshing> {
     let imported = matches!(scenario.specimen.shape, scenario::Shape::Mesh(_));
     let size = match (written.size, imported) {
         (Some(size), false) => size.0,
         (None, true) => 0.0,
         (Some(_), true) => {
-            let path = if check.is_written(path) { path } else { "specimen.mesh.size" };
+            let path = if checker.is_written(path) { path } else { "specimen.mesh.size" };
             // A key of the base scenario cannot be deleted here, only unset.
-            let inherited = check.is_inherited(path);
+            let inherited = checker.is_inherited(path);
             let remedy = if inherited { "; `unset = [\"specimen.mesh.size\"]` leaves it out" } else { "" };
-            check.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
+            checker.out_of_place(path, format!("an imported mesh has its own element size{remedy}"));
             return None;
         }
         (None, false) => {
-            check.missing(path, "the edge length of an element, like \"10 mm\"");
+            checker.missing(path, "the edge length of an element, like \"10 mm\"");
             return None;
         }
     };
@@ -268,28 +268,28 @@ fn face_path(scenario: &Scenario, place: usize) -> String {
     if scenario.layer.is_empty() { "layers".to_owned() } else { format!("layer.{place}") }
 }
 
-fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) {
+fn heights(faces: &[Face], scenario: &Scenario, loading: &Loading, checker: &mut Checker<'_>) {
     if let Some(message) = loading.refuses_faces().filter(|_| faces.len() > 1) {
-        check.report(&height_path(scenario, 1), message);
+        checker.report(&height_path(scenario, 1), message);
     }
     for (place, pair) in faces.windows(2).enumerate() {
         let path = height_path(scenario, place + 1);
         if pair[1].height == pair[0].height {
-            check.report(&path, "two faces have the same height");
-            check.label(&height_path(scenario, place), "the other face");
+            checker.report(&path, "two faces have the same height");
+            checker.label(&height_path(scenario, place), "the other face");
         } else if pair[1].height > pair[0].height {
-            check.report_with(
+            checker.report_with(
                 &path,
                 "the faces are not ordered from the highest to the lowest",
                 "the impactor comes from above, so the first face is the highest",
             );
-            check.label(&height_path(scenario, place), "the face before it");
+            checker.label(&height_path(scenario, place), "the face before it");
         }
     }
 }
 
 /// Under pressure, film with negative pre-strain has no equilibrium near its flat shape.
-fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, check: &mut Check<'_>) {
+fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, checker: &mut Checker<'_>) {
     if !loading.is_by_gas() {
         return;
     }
@@ -298,17 +298,17 @@ fn taut(faces: &[Face], scenario: &Scenario, loading: &Loading, check: &mut Chec
             if prestrain < 0.0 {
                 let path = format!("{}.prestrain.{key}", face_path(scenario, place));
                 let hint = "nothing resists the pressure until the film is taut; use a pre-strain of at least 0";
-                check.report_with(&path, "pressure on film that is wrinkled at the start", hint);
+                checker.report_with(&path, "pressure on film that is wrinkled at the start", hint);
             }
         }
     }
 }
 
 /// Lets viscous film rest between mounting and loading.
-fn rested(faces: &mut [Face], scenario: &Scenario, check: &mut Check<'_>) {
+fn rested(faces: &mut [Face], scenario: &Scenario, checker: &mut Checker<'_>) {
     let Some(rest) = scenario.specimen.rest else { return };
     if faces.iter().all(|face| face.material.viscosity.is_none()) {
-        check.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
+        checker.out_of_place("specimen.rest", "no film has `prony`, by which its stress would relax");
     }
     for face in faces {
         face.material.viscosity = face.material.viscosity.take().map(|viscosity| viscosity.rested(rest.0));
@@ -316,18 +316,18 @@ fn rested(faces: &mut [Face], scenario: &Scenario, check: &mut Check<'_>) {
 }
 
 /// Pre-strain must not break the film.
-fn prestrained(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
+fn prestrained(faces: &[Face], scenario: &Scenario, checker: &mut Checker<'_>) {
     for (place, face) in faces.iter().enumerate() {
         let path = face_path(scenario, place);
         let [md, td] = face.prestrain.map(|prestrain| 1.0 + prestrain);
         let stress = face.material.law.virgin_stress([[md, 0.0, 0.0], [0.0, td, 0.0]]);
         if face.prestrain != [0.0; 2] && stress.iter().flatten().any(|stress| !stress.is_finite()) {
             let message = "pre-strain stretches the film beyond the limit of its law";
-            check.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
+            checker.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger `jm`");
             continue;
         }
         if let Some(message) = torn(face) {
-            check.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
+            checker.report_with(&format!("{path}.prestrain"), message, "use less pre-strain, or a larger limit");
             continue;
         }
         // A limit that is no limit has its own mistake.
@@ -344,7 +344,7 @@ fn prestrained(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
             let message = format!("pre-strain {prestrain} breaks the film: {name} breaks at {end}");
             let path = format!("{path}.prestrain.{key}");
             let hint = written_material(scenario, place).and_then(|written| scaled_break(written, key));
-            check.report_with_hint_if(&path, message, hint);
+            checker.report_with_hint_if(&path, message, hint);
         }
     }
 }
@@ -390,15 +390,15 @@ fn scaled_break(written: &scenario::Material, key: &str) -> Option<String> {
 }
 
 /// With mirror planes, fibres lie along the axes.
-fn mirrored(faces: &[Face], scenario: &Scenario, check: &mut Check<'_>) {
+fn mirrored(faces: &[Face], scenario: &Scenario, checker: &mut Checker<'_>) {
     if scenario.specimen.symmetry == Symmetry::None {
         return;
     }
     let oblique = faces.iter().position(|face| !is_along_axes(face.md_angle));
     let Some(place) = oblique else { return };
-    let own = check.document.face_key(place, "md_angle");
-    let path = if check.is_written(&own) { own } else { "loading.stretch.direction".to_owned() };
-    check.report_with(
+    let own = checker.document.face_key(place, "md_angle");
+    let path = if checker.is_written(&own) { own } else { "loading.stretch.direction".to_owned() };
+    checker.report_with(
         &path,
         "oblique fibres have no mirror planes",
         "set `specimen.symmetry` to \"none\", or rotate MD to a multiple of 90 deg",

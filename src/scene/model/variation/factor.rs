@@ -7,7 +7,7 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::super::Check;
+use super::super::Checker;
 use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::units::{Dimension, percentage};
@@ -69,7 +69,7 @@ impl Factor {
     }
 
     /// Reads the values of a key.
-    pub(super) fn read(key: &VariedKey, check: &mut Check<'_>) -> Option<Factor> {
+    pub(super) fn read(key: &VariedKey, checker: &mut Checker<'_>) -> Option<Factor> {
         // The grammar reports these.
         let rule = key.rule().ok().filter(|_| key.validate().is_empty())?;
         let number = rule.number();
@@ -82,7 +82,7 @@ impl Factor {
         match values {
             Ok(values) => Some(Factor { path: key.path.clone(), span: key.span.clone(), dimension, values }),
             Err(message) => {
-                check.found.report(&key.node.span, message);
+                checker.found.report(&key.node.span, message);
                 None
             }
         }
@@ -254,19 +254,19 @@ impl fmt::Display for Values {
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the table in `path`, which the scenario names at `named`.
-pub(super) fn read(path: &Path, named: &Span, check: &mut Check<'_>) -> Vec<Factor> {
-    let before = check.found.0.len();
-    match columns(path, named, check) {
-        Ok(_) if check.found.0.len() > before => vec![],
+pub(super) fn read(path: &Path, named: &Span, checker: &mut Checker<'_>) -> Vec<Factor> {
+    let before = checker.found.0.len();
+    match columns(path, named, checker) {
+        Ok(_) if checker.found.0.len() > before => vec![],
         Ok(factors) => factors,
         Err(mistake) => {
-            check.found.0.push(mistake);
+            checker.found.0.push(mistake);
             vec![]
         }
     }
 }
 
-fn columns(path: &Path, named: &Span, check: &mut Check<'_>) -> Result<Vec<Factor>, Diagnostic> {
+fn columns(path: &Path, named: &Span, checker: &mut Checker<'_>) -> Result<Vec<Factor>, Diagnostic> {
     let refused = |why: String| Diagnostic::new(format!("cannot read {}: {why}", shown_path(path))).at(named);
     let text = file::read_text(path, MOST_BYTES).map_err(|error| refused(error.to_string()))?;
     let source = Source::file(path, text);
@@ -290,10 +290,10 @@ fn columns(path: &Path, named: &Span, check: &mut Check<'_>) -> Result<Vec<Facto
         let node = Node::new(Value::List(items.collect()), head.clone());
         match key(label, &head, node) {
             Ok(key) => {
-                check.found.0.extend(key.validate());
-                factors.extend(Factor::read(&key, check));
+                checker.found.0.extend(key.validate());
+                factors.extend(Factor::read(&key, checker));
             }
-            Err(mistake) => check.found.0.push(mistake),
+            Err(mistake) => checker.found.0.push(mistake),
         }
     }
     Ok(factors)

@@ -2,7 +2,7 @@
 
 mod factor;
 
-use super::{Check, checked};
+use super::{Checker, checked};
 use crate::scenario::{self, Assignment, Document, Method};
 use base::diagnostic::Diagnostic;
 pub use factor::{Factor, Input, Level, Values};
@@ -64,39 +64,39 @@ pub fn variation(document: &Document) -> Result<Option<Variation>, Vec<Diagnosti
 }
 
 /// Checks the table as written.
-pub(super) fn check(written: &scenario::Variation, check: &mut Check<'_>) -> Option<Variation> {
-    let before = check.found.0.len();
-    let keys = check.document.varied_keys();
+pub(super) fn check(written: &scenario::Variation, checker: &mut Checker<'_>) -> Option<Variation> {
+    let before = checker.found.0.len();
+    let keys = checker.document.varied_keys();
     let factors = match &written.method {
         Some(Method::Table(_)) => {
             if let Some(key) = keys.first() {
                 let message = format!("`{}` varies by the table", key.path);
-                check.found.report_with(&key.span, message, "leave it out, or leave `method` out");
+                checker.found.report_with(&key.span, message, "leave it out, or leave `method` out");
             }
-            let file = check.file("variation.method.table")?;
-            let span = check.document.span("variation.method.table");
-            factor::read(&file, &span, check)
+            let file = checker.file("variation.method.table")?;
+            let span = checker.document.span("variation.method.table");
+            factor::read(&file, &span, checker)
         }
         _ => {
-            let factor = |key| Factor::read(key, &mut *check);
+            let factor = |key| Factor::read(key, &mut *checker);
             keys.iter().filter_map(factor).collect()
         }
     };
-    repeated(&factors, check);
-    if factors.is_empty() && keys.is_empty() && check.found.0.len() == before {
-        check.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
+    repeated(&factors, checker);
+    if factors.is_empty() && keys.is_empty() && checker.found.0.len() == before {
+        checker.report_with("variation", "no key varies", "write one like \"impactor.mass\" = [\"10 kg\", \"12 kg\"]");
     }
-    let method = method(written, &factors, check);
-    let correlation = written.correlation.as_ref().and_then(|written| correlation(written, &factors, check));
+    let method = method(written, &factors, checker);
+    let correlation = written.correlation.as_ref().and_then(|written| correlation(written, &factors, checker));
     let samples = written.samples.map(|samples| samples as usize);
-    if check.found.0.len() > before {
+    if checker.found.0.len() > before {
         return None;
     }
     Some(Variation { factors, method, samples, seed: written.seed, correlation })
 }
 
 /// A key that varies twice, or of which a part varies too.
-fn repeated(factors: &[Factor], check: &mut Check<'_>) {
+fn repeated(factors: &[Factor], checker: &mut Checker<'_>) {
     for (place, factor) in factors.iter().enumerate() {
         let is_part = |inner: &str, whole: &str| inner.strip_prefix(whole).is_some_and(|rest| rest.starts_with('.'));
         let other = factors[..place].iter().find(|other| {
@@ -104,13 +104,13 @@ fn repeated(factors: &[Factor], check: &mut Check<'_>) {
         });
         if let Some(other) = other {
             let mistake = Diagnostic::new(format!("`{}` varies already", factor.path)).at(&factor.span);
-            check.found.0.push(mistake.label(&other.span, "here"));
+            checker.found.0.push(mistake.label(&other.span, "here"));
         }
     }
 }
 
 /// The method, which must suit the values of the keys.
-fn method(written: &scenario::Variation, factors: &[Factor], check: &mut Check<'_>) -> Method {
+fn method(written: &scenario::Variation, factors: &[Factor], checker: &mut Checker<'_>) -> Method {
     let continuous = factors.iter().find(|factor| matches!(factor.values, Values::Distribution(_)));
     match (&written.method, continuous) {
         (None, None) => Method::Grid,
@@ -118,12 +118,12 @@ fn method(written: &scenario::Variation, factors: &[Factor], check: &mut Check<'
         (Some(Method::Grid), Some(factor)) => {
             let message =
                 format!("a grid needs a list or a range of every key, and `{}` has a distribution", factor.path);
-            check.report_with(METHOD, message, "write { range = [low, high], count = 5 }, or another method");
+            checker.report_with(METHOD, message, "write { range = [low, high], count = 5 }, or another method");
             Method::Grid
         }
         (Some(method), _) => {
             if let (Method::Grid | Method::Table(_), Some(_)) = (method, written.samples) {
-                check.out_of_place("variation.samples", "a grid and a table have the runs that they list");
+                checker.out_of_place("variation.samples", "a grid and a table have the runs that they list");
             }
             method.clone()
         }
@@ -131,16 +131,16 @@ fn method(written: &scenario::Variation, factors: &[Factor], check: &mut Check<'
 }
 
 /// The correlation of all factors; those that are not named are independent.
-fn correlation(written: &scenario::Correlation, factors: &[Factor], check: &mut Check<'_>) -> Option<Correlation> {
+fn correlation(written: &scenario::Correlation, factors: &[Factor], checker: &mut Checker<'_>) -> Option<Correlation> {
     let mut places = Vec::new();
     for (row, key) in written.keys.iter().enumerate() {
         let at = format!("{CORRELATION}.keys.{row}");
         match factors.iter().position(|factor| factor.path == *key) {
-            None => check.report(&at, format!("`{key}` does not vary")),
+            None => checker.report(&at, format!("`{key}` does not vary")),
             Some(place) if matches!(factors[place].values, Values::Levels(_)) => {
-                check.report_with(&at, format!("`{key}` has no distribution"), "a list cannot be correlated");
+                checker.report_with(&at, format!("`{key}` has no distribution"), "a list cannot be correlated");
             }
-            Some(place) if places.contains(&place) => check.report(&at, format!("`{key}` is named twice")),
+            Some(place) if places.contains(&place) => checker.report(&at, format!("`{key}` is named twice")),
             Some(place) => places.push(place),
         }
     }
@@ -149,7 +149,7 @@ fn correlation(written: &scenario::Correlation, factors: &[Factor], check: &mut 
     }
     let count = places.len();
     if written.matrix.len() != count || written.matrix.iter().any(|row| row.len() != count) {
-        check.report(&format!("{CORRELATION}.matrix"), format!("expected {count} rows of {count} coefficients"));
+        checker.report(&format!("{CORRELATION}.matrix"), format!("expected {count} rows of {count} coefficients"));
         return None;
     }
     let mut whole = vec![vec![0.0; factors.len()]; factors.len()];
@@ -159,7 +159,7 @@ fn correlation(written: &scenario::Correlation, factors: &[Factor], check: &mut 
             whole[*row][*column] = *coefficient;
         }
     }
-    let refused = |error: uncertainty::Error| check.report(&format!("{CORRELATION}.matrix"), error.to_string());
+    let refused = |error: uncertainty::Error| checker.report(&format!("{CORRELATION}.matrix"), error.to_string());
     Correlation::new(&whole).map_err(refused).ok()
 }
 

@@ -1,4 +1,4 @@
-//! A check of a document, with its diagnostics, each at the place of a key path.
+//! The checker of a document: it collects the mistakes, each at the place of a key path.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -6,15 +6,15 @@ use std::path::PathBuf;
 use crate::scenario::{Document, MeshFile};
 use base::diagnostic::{Diagnostic, Diagnostics, shown_path};
 
-/// A check: the diagnostics found so far, and the document that says where they are.
-pub struct Check<'d> {
+/// The mistakes found so far, and the document that says where they are.
+pub struct Checker<'d> {
     pub document: &'d Document,
     pub found: Diagnostics,
 }
 
-impl<'d> Check<'d> {
-    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Check<'d> {
-        Check { document, found: Diagnostics(mistakes) }
+impl<'d> Checker<'d> {
+    pub fn new(document: &'d Document, mistakes: Vec<Diagnostic>) -> Checker<'d> {
+        Checker { document, found: Diagnostics(mistakes) }
     }
 
     /// A mistake in the value at the key path.
