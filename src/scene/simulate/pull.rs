@@ -1,5 +1,7 @@
 //! One element of film pulled from equilibrium to equilibrium: a coupon without its inertia (theory.md, equation 161).
 
+use std::mem;
+
 use thiserror::Error;
 
 use super::loading;
@@ -235,13 +237,14 @@ impl SingleElement {
     /// Transverse stretch in equilibrium where the film is stretched by `along` within `dt` (s).
     fn transverse_stretch(&self, along: f64, dt: f64) -> Option<f64> {
         let mut nodes = self.nodes.clone();
-        let mut unbalanced = |across: f64| {
-            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, across, 0.0], dt);
-            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
-            if across.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { across }
-        };
-        let bracket = bracket(self.width, &mut unbalanced)?;
-        root(bracket, &mut unbalanced)
+        root(self.width, narrowed, &mut |width| self.forces(&mut nodes, [along, width, 0.0], dt).balanced()[0])
+    }
+
+    /// Forces of the film that is stretched and sheared within `dt` (s), whose history stays as it is.
+    fn forces(&self, nodes: &mut Nodes, stretch: Stretch, dt: f64) -> Forces {
+        load(&mut self.film.clone(), nodes, &self.flat, stretch, dt);
+        let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
+        Forces { pull, side: [across, -nodes.total_force(&self.sides[1], 0)] }
     }
 
     /// Transverse stretch and shear at which no force acts on the long sides of the film that is stretched by `along`
@@ -250,9 +253,8 @@ impl SingleElement {
     fn free_sides(&self, along: f64, dt: f64) -> Option<[f64; 2]> {
         let mut nodes = self.nodes.clone();
         let mut forces = |[width, shear]: [f64; 2]| {
-            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, width, shear], dt);
-            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
-            (pull, Vector2::new(across, -nodes.total_force(&self.sides[1], 0)))
+            let Forces { pull, side } = self.forces(&mut nodes, [along, width, shear], dt);
+            (pull, Vector2::from(side))
         };
         // The trend of the last step is a good guess unless the film is unloaded.
         let change = along - 1.0 - self.strain;
@@ -289,23 +291,29 @@ impl SingleElement {
     /// curves that hardly rise misleads Newton's method.
     fn free_sides_by_brackets(&self, along: f64, dt: f64) -> Option<[f64; 2]> {
         let mut nodes = self.nodes.clone();
-        // The force across, and the one that shears, zero where it is balanced.
-        let mut forces = |width: f64, shear: f64| {
-            load(&mut self.film.clone(), &mut nodes, &self.flat, [along, width, shear], dt);
-            let [pull, across] = [0, 1].map(|axis| -nodes.total_force(&self.sides[axis], axis));
-            let balanced = |force: f64| if force.abs() <= FORCE_TOLERANCE * pull.abs() { 0.0 } else { force };
-            [balanced(across), balanced(-nodes.total_force(&self.sides[1], 0))]
-        };
+        let mut forces = |width, shear| self.forces(&mut nodes, [along, width, shear], dt).balanced();
         let mut shear = self.shear;
         let mut unbalanced = |width: f64| {
-            let mut shearing = |shear: f64| forces(width, shear)[1];
-            let found = sheared(shear, &mut shearing).and_then(|bracket| root(bracket, &mut shearing));
-            shear = found.unwrap_or(f64::NAN);
+            shear = root(shear, sheared(), &mut |shear| forces(width, shear)[1]).unwrap_or(f64::NAN);
             forces(width, shear)[0]
         };
-        let bracket = bracket(self.width, &mut unbalanced)?;
-        let width = root(bracket, &mut unbalanced).filter(|width| unbalanced(*width).is_finite())?;
+        let width = root(self.width, narrowed, &mut unbalanced).filter(|width| unbalanced(*width).is_finite())?;
         Some([width, shear])
+    }
+}
+
+/// Forces of the film, N.
+struct Forces {
+    /// Along the film.
+    pull: f64,
+    /// On a long side, across and along it.
+    side: [f64; 2],
+}
+
+impl Forces {
+    /// Those on a long side, zero where they are balanced.
+    fn balanced(&self) -> [f64; 2] {
+        self.side.map(|force| if force.abs() <= FORCE_TOLERANCE * self.pull.abs() { 0.0 } else { force })
     }
 }
 
@@ -319,40 +327,33 @@ type Stretch = [f64; 3];
 /// Film as it is mounted.
 const UNSTRETCHED: Stretch = [1.0, 1.0, 0.0];
 
-/// A transverse stretch and the transverse force there, N.
-type Guess = (f64, f64);
-
-/// Two guesses between which the force changes its sign. A tensile transverse force makes the film narrower.
-fn bracket(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
-    let mut before = (guess, unbalanced(guess));
-    let factor = if before.1 > 0.0 { 1.0 / BRACKETING_FACTOR } else { BRACKETING_FACTOR };
-    for _ in 0..MOST_ITERATIONS {
-        let now = (before.0 * factor, unbalanced(before.0 * factor));
-        if before.1 * now.1 <= 0.0 {
-            return Some([now, before]);
-        }
-        before = now;
-    }
-    None
+/// The transverse stretch after this one until two bracket the root: a tensile transverse force makes the film narrower.
+fn narrowed(width: f64, is_tensile: bool) -> f64 {
+    width * if is_tensile { 1.0 / BRACKETING_FACTOR } else { BRACKETING_FACTOR }
 }
 
-/// Two shears between which the force changes its sign. A force along the shear reduces it.
-fn sheared(guess: f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<[Guess; 2]> {
-    let mut before = (guess, unbalanced(guess));
-    let mut step = if before.1 > 0.0 { -SHEAR_STEP } else { SHEAR_STEP };
-    for _ in 0..MOST_ITERATIONS {
-        let now = (before.0 + step, unbalanced(before.0 + step));
-        if before.1 * now.1 <= 0.0 {
-            return Some([now, before]);
-        }
-        before = now;
+/// The same of shears: a force along the shear reduces it.
+fn sheared() -> impl FnMut(f64, bool) -> f64 {
+    let mut step = SHEAR_STEP;
+    move |shear, is_along| {
+        let next = shear + if is_along { -step } else { step };
         step *= SHEAR_GROWTH;
+        next
     }
-    None
 }
 
-/// The root of the force, by the Illinois variant of the false position (Dowell and Jarratt, BIT 11, 1971).
-fn root([mut other, mut last]: [Guess; 2], unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+/// The root of the force, between two guesses from `guess` on, by the Illinois variant of the false position (Dowell and
+/// Jarratt, BIT 11, 1971). `next` gives the guess after one, by whether the force at the first is positive.
+fn root(guess: f64, mut next: impl FnMut(f64, bool) -> f64, unbalanced: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    let mut last = (guess, unbalanced(guess));
+    let is_positive = last.1 > 0.0;
+    let bracket = (0..MOST_ITERATIONS).find_map(|_| {
+        let place = next(last.0, is_positive);
+        let now = (place, unbalanced(place));
+        let before = mem::replace(&mut last, now);
+        (before.1 * now.1 <= 0.0).then_some([now, before])
+    });
+    let [mut other, mut last] = bracket?;
     for _ in 0..MOST_ITERATIONS {
         if last.1 == 0.0 || (other.0 - last.0).abs() <= STRETCH_TOLERANCE {
             return Some(last.0);
