@@ -390,6 +390,11 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// The name of the file at `path`, without its folder.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// `path` without `..` detours, relative to the working directory where it lies below it.
 pub fn shown_path(path: &Path) -> String {
     let tidy = tidy_path(path);

@@ -1,14 +1,15 @@
-//! Files as a whole: one bounded read of a regular file, and the checksum of what a file holds.
+//! Files as a whole: one bounded read of a regular file, and the checksums of what files hold.
 
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
-use crate::diagnostic::folder_of;
+use crate::diagnostic::{Diagnostic, folder_of, shown_path};
 use crate::scratch;
 
 pub use crc32fast::Hasher as Crc32;
@@ -174,18 +175,49 @@ impl Digest {
 
     /// Of the regular file at `path`, of which one buffer is held in memory.
     pub fn of_file(path: &Path) -> Result<Digest, FileError> {
-        let mut file = open(path)?;
         let (mut sum, mut length) = (Crc32::new(), 0);
-        let mut buffer = vec![0; 1 << 16];
-        loop {
-            let count = file.read(&mut buffer)?;
-            if count == 0 {
-                return Ok(Digest { length, checksum: sum.finalize() });
-            }
-            sum.update(&buffer[..count]);
-            length += count as u64;
+        for_each_block(path, |block| {
+            sum.update(block);
+            length += block.len() as u64;
+        })?;
+        Ok(Digest { length, checksum: sum.finalize() })
+    }
+}
+
+/// Hands the bytes of the regular file at `path` to `take`, one buffer after the other: recordings are not held as a whole.
+fn for_each_block(path: &Path, mut take: impl FnMut(&[u8])) -> Result<(), FileError> {
+    let mut file = open(path)?;
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(()),
+            count => take(&buffer[..count]),
         }
     }
+}
+
+/// What is in a folder, in the order of the names.
+///
+/// # Errors
+/// The folder cannot be listed.
+pub fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+    entries.sort();
+    Ok(entries)
+}
+
+/// SHA-256 of regular files, one behind the other, in hexadecimal digits.
+///
+/// # Errors
+/// One of them cannot be read, which the mistake names.
+pub fn sha256(files: impl IntoIterator<Item: AsRef<Path>>) -> Result<String, Diagnostic> {
+    let mut digest = Sha256::new();
+    for path in files {
+        let path = path.as_ref();
+        for_each_block(path, |block| digest.update(block))
+            .map_err(|error| Diagnostic::new(format!("{}: {error}", shown_path(path))))?;
+    }
+    Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 impl fmt::Display for Digest {

@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 pub mod number;
+pub mod group;
 pub mod units;
 pub mod words;
 pub mod written;

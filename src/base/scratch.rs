@@ -12,6 +12,8 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
+use crate::diagnostic::file_name;
+
 /// Begins the name of each.
 const PREFIX: &str = ".droptower-";
 
@@ -72,7 +74,7 @@ impl ScratchFolder {
     /// Its path from now on: it is not removed, and has a name that no later process takes for something left.
     pub fn keep(self) -> PathBuf {
         let path = self.folder.keep();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().replacen(PREFIX, KEPT, 1);
+        let name = file_name(&path).replacen(PREFIX, KEPT, 1);
         let kept = path.with_file_name(name);
         match fs::rename(&path, &kept) {
             Ok(()) => kept,

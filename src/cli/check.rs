@@ -1,6 +1,7 @@
 //! `droptower check`: scenarios, materials and studies checked without running them, all mistakes at once.
 
 use std::path::Path;
+use std::{fs, io};
 
 use clap::Args;
 use serde::Serialize;
@@ -123,6 +124,16 @@ fn check(path: &Path, assignments: &[Assignment]) -> Checked {
     let implausible = material.implausible().into_iter();
     let findings = implausible.map(|value| Finding::new(&model::Warning::Value(value))).collect();
     Ok(Facts { findings, ..Facts::default() })
+}
+
+/// Refuses a material that `droptower check` would refuse: the names and texts of its files, its own first.
+pub(crate) fn material_texts(files: &[(&str, &str)]) -> Result<(), Failure> {
+    let unwritten = |error: io::Error| Diagnostic::new(format!("no material: {error}"));
+    let scratch = tempfile::tempdir().map_err(unwritten)?;
+    let place = |name: &str| scratch.path().join(name);
+    files.iter().try_for_each(|(name, text)| fs::write(place(name), text)).map_err(unwritten)?;
+    model::check_material(&Document::read_material(&place(files[0].0))?)?;
+    Ok(())
 }
 
 impl Varies {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::args::in_option;
 use crate::scenarios::Checked;
-use base::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, file_name, shown_path};
 use base::findings;
 use base::units::Time;
 use scene::model::{Identity, Model};
@@ -192,10 +192,6 @@ impl CheckpointWriter {
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     let mistake = Diagnostic::new(format!("{}: {error}", shown_path(path)));
     mistake.hint("resume with the droptower that wrote it, or remove the folder to start from the beginning")
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn serialise(value: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {

@@ -146,13 +146,12 @@ fn check_signals(runs: &[StoredRun], wanted: &[String]) -> Result<(), Diagnostic
 /// The differences between the scenarios, then figures, errors of signals and findings; every line ends with a line
 /// break.
 fn text(comparison: &RunComparison, all: bool) -> String {
-    let names: Vec<String> = comparison.runs.iter().map(|run| run.name.clone()).collect();
+    let names: Vec<&str> = comparison.runs.iter().map(|run| run.name.as_str()).collect();
     let part = |words: &str, rows: Vec<Vec<String>>| {
         if rows.is_empty() {
             return String::new();
         }
-        let header = std::iter::once(words.to_owned()).chain(names.iter().cloned()).collect();
-        terminal::aligned(&std::iter::once(header).chain(rows).collect::<Vec<_>>(), 1) + "\n"
+        terminal::table(1, std::iter::once(words).chain(names.iter().copied()), rows) + "\n"
     };
     let figures = match all {
         true => compare_page::figures(comparison.figures.iter()),

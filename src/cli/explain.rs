@@ -9,6 +9,7 @@ use serde_json::{Value as Json, json};
 use crate::{Failure, Shared, checkpoint, print, print_json, shell, shipped};
 use base::diagnostic::{Diagnostic, closest, did_you_mean};
 use base::finding::Code;
+use base::group;
 use base::removed;
 use lab::signal::column::{self, COLUMNS, Column};
 use lab::signal::format::{FORMATS, Support};
@@ -133,15 +134,8 @@ struct Choice {
 
 /// The entries of keys; those that mean the same, as those of the specimen's material and of a layer's, share a paragraph.
 fn keys(entries: Vec<KeyEntry>) -> Explanation {
-    let mut texts: Vec<(Vec<&str>, String)> = Vec::new();
-    for entry in &entries {
-        let text = entry.text();
-        match texts.iter_mut().find(|(_, other)| *other == text) {
-            Some((keys, _)) => keys.push(&entry.key),
-            None => texts.push((vec![&entry.key], text)),
-        }
-    }
-    let paragraphs = texts.into_iter().map(|(keys, text)| format!("{}\n    {text}", keys.join("\n"))).collect();
+    let texts = group::by_key(entries.iter().map(|entry| (entry.text(), entry.key.as_str())));
+    let paragraphs = texts.into_iter().map(|(text, keys)| format!("{}\n    {text}", keys.join("\n"))).collect();
     Explanation { facts: entries.iter().map(|entry| json!(entry)).collect(), paragraphs }
 }
 

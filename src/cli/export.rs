@@ -1,14 +1,12 @@
 //! `droptower export` and `import`: films in the formats of other solvers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use serde_json::json;
 
 use crate::args::{number, quantity};
-use crate::scenarios::sha256;
-use crate::{Failure, Shared, deck, output, print_figures, terminal};
+use crate::{Failure, Shared, check, deck, output, print_figures, terminal};
 use ::card::read::{self, Mistake, Reading};
 use ::card::{Film, Request, System, Target};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
@@ -95,7 +93,7 @@ fn chosen<'a>(faces: &'a [Face], face: Option<usize>, file: &Path) -> Result<&'a
 pub(crate) fn origin(document: &Document) -> Result<Vec<String>, Diagnostic> {
     let file = document.path();
     let others: Vec<&PathBuf> = document.files().iter().filter(|other| *other != file).collect();
-    let digest = sha256(std::iter::once(file).chain(others.iter().map(|path| path.as_path())))?;
+    let digest = file::sha256(std::iter::once(file).chain(others.iter().map(|path| path.as_path())))?;
     let names: Vec<String> = others.iter().map(|path| shown_path(path)).collect();
     let others = if names.is_empty() { String::new() } else { format!(" and {}", names.join(", ")) };
     Ok(vec![format!("from {}{others}, SHA-256 {digest}", shown_path(file))])
@@ -268,7 +266,7 @@ fn import_card(args: &ImportCardArgs, shared: &Shared) -> Result<(), Failure> {
     let comments: Vec<String> =
         comments.into_iter().chain(findings.iter().map(|finding| finding.message.clone())).collect();
     let material = read::material(&film, thickness, &comments);
-    check_material(&[("material.toml", material.as_str())])?;
+    check::material_texts(&[("material.toml", material.as_str())])?;
     output::write(&args.out, |file| file.write_all(material.as_bytes()))?;
     let (out, units, film) = (shown_path(&args.out), system.name(), film.name);
     let figures = json!({
@@ -282,16 +280,6 @@ fn import_card(args: &ImportCardArgs, shared: &Shared) -> Result<(), Failure> {
     print_figures(shared, &figures, || {
         format!("{film} of {shown}, {units}\n{}  {out}", terminal::findings("  ", &findings))
     })
-}
-
-/// Refuses a material that `droptower check` would refuse: the names and texts of its files, its own first.
-pub(crate) fn check_material(files: &[(&str, &str)]) -> Result<(), Failure> {
-    let unwritten = |error: std::io::Error| Diagnostic::new(format!("no material: {error}"));
-    let scratch = tempfile::tempdir().map_err(unwritten)?;
-    let place = |name: &str| scratch.path().join(name);
-    files.iter().try_for_each(|(name, text)| fs::write(place(name), text)).map_err(unwritten)?;
-    model::check_material(&Document::read_material(&place(files[0].0))?)?;
-    Ok(())
 }
 
 /// A mistake in the `text` of a card, with its line.

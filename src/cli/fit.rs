@@ -10,7 +10,7 @@ use crate::failure::all;
 use crate::scenarios::paths;
 use crate::signal::FileArgs;
 use crate::{Failure, Shared, failure, output, print_results, terminal};
-use base::diagnostic::{Diagnostic, shown_path};
+use base::diagnostic::{Diagnostic, file_name, shown_path};
 use base::finding::Finding;
 use base::number::{figure, plain, rounded, significant};
 use base::units::{Density, Length};
@@ -101,11 +101,6 @@ impl Places {
         }
         Ok([&self.page, &self.material].into_iter().flatten().map(|path| shown_path(path)).collect())
     }
-}
-
-/// The name of a file without its folder.
-fn name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[derive(Debug, Args)]
@@ -380,7 +375,7 @@ fn fit_prony_series(args: &PronyArgs, shared: &Shared) -> Result<(), Failure> {
     let of_material = [incomplete, assumed].into_iter().flatten().filter(|_| places.material.is_some());
     let findings: Vec<Finding> =
         fit.warnings.iter().map(Finding::new).chain(of_material.map(|one| Finding::new(&one))).collect();
-    let source = name(path);
+    let source = file_name(path);
     let (poisson, film) = (args.poisson, args.fitted.film());
     let material = relaxation_text(&RelaxationMaterial { fit: &fit, source: &source, poisson, film });
     let shown = places.material.as_ref().map(|_| material.as_str());

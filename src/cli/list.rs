@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,6 +9,7 @@ use serde::Serialize;
 
 use crate::{Failure, Shared, print, print_json, tell};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::file;
 use scene::scenario::{Document, Value};
 use study::store::{self, run_files};
 
@@ -106,15 +106,17 @@ struct Search<F> {
 impl<F: Fn(&str) -> bool> Search<F> {
     fn folder(&mut self, folder: &Path) {
         let found = fs::canonicalize(folder).and_then(|own| match self.known.insert(own) {
-            true => entries(folder),
+            true => file::entries(folder),
             false => Ok(vec![]),
         });
-        let names = found.unwrap_or_else(|error| {
+        // Sorted, so that of several links to a folder the same one is taken; none that is not UTF-8.
+        let found = found.unwrap_or_else(|error| {
             self.mistakes.push(Diagnostic::new(format!("cannot read {}: {error}", shown_path(folder))));
             vec![]
         });
         let is_here = folder == Path::new(".");
-        for name in names.iter().filter(|name| !name.starts_with('.')) {
+        let names = found.iter().filter_map(|path| path.file_name()?.to_str());
+        for name in names.filter(|name| !name.starts_with('.')) {
             let path = if is_here { name.into() } else { folder.join(name) };
             if path.is_dir() {
                 self.folder(&path);
@@ -123,14 +125,6 @@ impl<F: Fn(&str) -> bool> Search<F> {
             }
         }
     }
-}
-
-/// The names in a folder, sorted, so that of several links to a folder the same one is taken; none that is not UTF-8.
-fn entries(folder: &Path) -> io::Result<Vec<String>> {
-    let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
-    let mut names: Vec<String> = names.filter_map(Result::transpose).collect::<io::Result<_>>()?;
-    names.sort_unstable();
-    Ok(names)
 }
 
 #[cfg(test)]

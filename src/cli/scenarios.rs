@@ -2,19 +2,15 @@
 
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::fmt::Display;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sha2::{Digest, Sha256};
 
 use crate::args::Changes;
 use crate::explain::{finding, misspelt_finding, similar_finding};
 use crate::failure::{all, both, preparing, refuse};
 use crate::{Failure, shell};
 use base::diagnostic::{Diagnostic, shown_path};
-use base::file;
 use base::finding::Finding;
 use scene::expectation::Expectations;
 use scene::model::{self, Model};
@@ -141,26 +137,6 @@ fn matches(pattern: &str) -> Result<Vec<PathBuf>, Diagnostic> {
         return Err(mistake.hint(format!("run it with `droptower script {}`", shown_path(path))));
     }
     expanded(pattern)
-}
-
-/// Bytes that are read at once: recordings are not held as a whole.
-const BLOCK: usize = 1 << 16;
-
-/// SHA-256 of files, one behind the other.
-pub(crate) fn sha256(files: impl IntoIterator<Item: AsRef<Path>>) -> Result<String, Diagnostic> {
-    let (mut digest, mut block) = (Sha256::new(), vec![0; BLOCK]);
-    for path in files {
-        let path = path.as_ref();
-        let unread = |error: &dyn Display| Diagnostic::new(format!("{}: {error}", shown_path(path)));
-        let mut file = file::open(path).map_err(|error| unread(&error))?;
-        loop {
-            match file.read(&mut block).map_err(|error| unread(&error))? {
-                0 => break,
-                count => digest.update(&block[..count]),
-            }
-        }
-    }
-    Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// The files that a path or a glob names.

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use crate::error::{Error, refusal};
 use crate::signal::column_name::ColumnName;
 use crate::signal::{Annotations, MeasuredChannel, Measurement, ReadOptions, file};
-use base::diagnostic::listed;
+use base::diagnostic::{file_name, listed};
 use base::units::{Length, Time};
 
 /// Most points of all files together: the measured and the simulated displacement of each are held.
@@ -89,8 +89,7 @@ pub fn in_order(mut files: Vec<PathBuf>) -> Vec<PathBuf> {
 
 /// Compares names piece by piece, digits as the number that they are: `f_9` comes before `f_10`.
 fn by_number(a: &Path, b: &Path) -> Ordering {
-    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let (first, second) = (name(a), name(b));
+    let (first, second) = (file_name(a), file_name(b));
     let mut pieces = pieces(&first).into_iter().zip(pieces(&second));
     let of_pieces = pieces.find_map(|(a, b)| {
         let digits = |piece: &str| piece.starts_with(|letter: char| letter.is_ascii_digit());

@@ -20,6 +20,7 @@ use crate::post::{COST, HEADER, OF_THE_MACHINE, Plan, ReferenceComparison, Resul
 use crate::store::EvaluationStore;
 use crate::store::evaluations::{Key, Kind, Share};
 use base::file::{Digest, FileError};
+use base::group;
 use scene::model::loading::Impact;
 use scene::model::{FieldReference, Identity, Loading, Model, Reference};
 use scene::simulate::{self, Cancellation, Outcome, RunError, RunOptions};
@@ -226,12 +227,7 @@ impl Evaluation {
         let summary = results.summary(model);
         let figures = summary.iter().filter(|(name, _)| is_figure(name));
         let figures = figures.filter_map(|(name, value)| Some((name.clone(), Figure::from_value(value)?))).collect();
-        let mut findings: Vec<String> = Vec::new();
-        for finding in results.findings.iter() {
-            if !findings.contains(&finding.code) {
-                findings.push(finding.code.clone());
-            }
-        }
+        let findings = group::unique(results.findings.iter().map(|finding| finding.code.clone()));
         Evaluation { figures, findings, failure: None, engine_s: outcome.wall.as_secs_f64(), wall_s }
     }
 

@@ -10,8 +10,8 @@ use crate::args::{number, quantity};
 use crate::failure::{all, hinted};
 use crate::scenarios::paths;
 use crate::signal::FileArgs;
-use crate::{Failure, Shared, export, failure, output, print_results};
-use base::diagnostic::{Diagnostic, shown_path};
+use crate::{Failure, Shared, check, failure, output, print_results};
+use base::diagnostic::{Diagnostic, file_name, shown_path};
 use base::file::{self, FileError};
 use base::finding::Finding;
 use base::number::significant;
@@ -185,7 +185,7 @@ fn texts(args: &ReduceCouponArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, Str
     let given = args.shear.as_deref().map(|file| given(file, &places)).transpose()?;
     let [material, shear] = places;
     let source = args.shear.as_deref().map(shown_path).unwrap_or_default();
-    let shear_file = shear.file_name().unwrap_or_default().to_string_lossy();
+    let shear_file = file_name(&shear);
     let written = CouponMaterial {
         reduction: &reduced.reduction,
         coupon: reduced.coupon,
@@ -241,7 +241,7 @@ fn check(written: &CouponMaterial<'_>, given: Option<&Path>) -> Result<(), Failu
     let shear = shear.map_err(|error| Diagnostic::new(format!("no material: {error}")))?;
     let draft = CouponMaterial { shear_file: &shear.to_string_lossy(), ..written.clone() }.texts();
     let draft = draft.map_err(|error| fault(&error))?;
-    export::check_material(&[("material.toml", draft.material.as_str()), ("shear.csv", draft.shear.as_str())])
+    check::material_texts(&[("material.toml", draft.material.as_str()), ("shear.csv", draft.shear.as_str())])
 }
 
 /// The paths of the material and its shear curve: `film.toml` and `film-shear.csv`.

@@ -10,6 +10,7 @@ use crate::failure::split;
 use crate::signal::{FileArgs, remarks, with_notes};
 use crate::{Failure, Shared, failure, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
+use base::group;
 use base::number::{clean_time, significant};
 use lab::error::Kind;
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
@@ -200,17 +201,12 @@ const MOST_HOLES: usize = 5;
 
 /// Where samples are missing, once for the channels that share it.
 fn holes(contents: &Contents) -> Vec<String> {
-    let mut listed: Vec<(&[Hole], Vec<&str>)> = Vec::new();
-    for channel in &contents.channels {
-        let holes = channel.time.as_ref().map_or(&[][..], |time| &time.holes);
-        match listed.iter_mut().find(|(known, _)| *known == holes) {
-            Some((_, names)) => names.push(&channel.label),
-            None if holes.is_empty() => {}
-            None => listed.push((holes, vec![&channel.label])),
-        }
-    }
+    let with_holes = contents.channels.iter().filter_map(|channel| {
+        let holes = channel.time.as_ref().map(|time| &time.holes).filter(|holes| !holes.is_empty());
+        Some((holes?, channel.label.as_str()))
+    });
     let mut lines = Vec::new();
-    for (holes, names) in listed {
+    for (holes, names) in group::by_key(with_holes) {
         let whose =
             if names.len() == contents.channels.len() { String::new() } else { format!(" in {}", names.join(", ")) };
         let one = |hole: &Hole| {

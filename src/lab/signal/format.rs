@@ -7,6 +7,7 @@ use std::{fs, io};
 use super::catalogue::Catalogue;
 use super::{hdf5, matlab, t01, tdms, workbook};
 use crate::error::Error;
+use base::file;
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug)]
@@ -131,12 +132,9 @@ pub fn folder_contents(folder: &Path) -> io::Result<FolderContents> {
         return Ok(FolderContents { recordings: vec![folder.to_owned()], others: vec![] });
     }
     let is_hidden = |path: &PathBuf| path.file_name().is_none_or(|name| name.as_encoded_bytes().starts_with(b"."));
-    let entries = fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));
-    let mut entries: Vec<PathBuf> = entries.collect::<io::Result<_>>()?;
-    entries.retain(|path| !is_hidden(path));
-    entries.sort();
+    let entries = file::entries(folder)?.into_iter().filter(|path| !is_hidden(path));
     let is_recording = |path: &PathBuf| if path.is_dir() { is_test(path) } else { has_known_ending(path) };
-    let (recordings, others) = entries.into_iter().partition(is_recording);
+    let (recordings, others) = entries.partition(is_recording);
     Ok(FolderContents { recordings, others })
 }
 

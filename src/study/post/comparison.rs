@@ -11,6 +11,7 @@ use super::{COST, HEADER, VERDICT, Verdict, Warning};
 use crate::script::{Row, object};
 use crate::store::StoredRun;
 use base::finding::Finding;
+use base::group;
 use base::number::duration;
 use lab::signal::norm::relative_error;
 use lab::signal::{Annotations, Series, column};
@@ -231,14 +232,10 @@ fn keys(runs: &[StoredRun]) -> Vec<ComparedKey> {
 
 /// The common signals, and warnings of the others.
 fn signals(runs: &[StoredRun], names: &[String], wanted: &[String]) -> (Vec<ComparedSignal>, Vec<Warning>) {
-    let mut columns: Vec<&String> = vec![];
-    for channel in runs.iter().flat_map(|run| &run.signals.channels) {
-        if !columns.contains(&&channel.name) && (wanted.is_empty() || wanted.contains(&channel.name)) {
-            columns.push(&channel.name);
-        }
-    }
+    let columns = runs.iter().flat_map(|run| &run.signals.channels).map(|channel| &channel.name);
+    let columns = columns.filter(|name| wanted.is_empty() || wanted.contains(name));
     let (mut common, mut alone) = (vec![], vec![vec![]; runs.len()]);
-    for column in columns {
+    for column in group::unique(columns) {
         let series: Vec<Option<Series>> = runs.iter().map(|run| run.signals.series(column)).collect();
         match having(&series)[..] {
             [run] => alone[run].push(column.clone()),
@@ -284,22 +281,19 @@ fn warnings<'a>(runs: &'a [StoredRun], names: &'a [String]) -> impl Iterator<Ite
 }
 
 /// The warnings of the runs, each code once with the runs that have it; those of virtual recordings are findings of their own.
-fn own_warnings(runs: &[StoredRun], names: &[String]) -> Vec<Finding> {
-    let mut all: Vec<(Vec<&str>, Finding)> = vec![];
-    for (run, name) in runs.iter().zip(names) {
+fn own_warnings<'n>(runs: &[StoredRun], names: &'n [String]) -> Vec<Finding> {
+    let of_run = |(run, name): (&StoredRun, &'n String)| {
         let findings = run.summary.get("findings").and_then(Value::as_array).into_iter().flatten();
         let read = findings.filter_map(|finding| serde_json::from_value::<Finding>(finding.clone()).ok());
-        for finding in read.filter(|finding| finding.is_warning() && finding.code != VIRTUAL_REFERENCE.name) {
-            match all.iter_mut().find(|(_, known)| known.code == finding.code) {
-                Some((of, _)) if of.last() == Some(&name.as_str()) => {}
-                Some((of, _)) => of.push(name),
-                None => all.push((vec![name], Finding::of_script(&finding.code, &finding.message))),
-            }
-        }
-    }
-    let named =
-        |(of, own): (Vec<&str>, Finding)| Finding { message: format!("{}: {}", of.join(", "), own.message), ..own };
-    all.into_iter().map(named).collect()
+        let own = read.filter(|finding| finding.is_warning() && finding.code != VIRTUAL_REFERENCE.name);
+        own.map(|finding| (finding.code, (name.as_str(), finding.message))).collect::<Vec<_>>()
+    };
+    let with_codes = group::by_key(runs.iter().zip(names).flat_map(of_run));
+    let named = |(code, of): (String, Vec<(&str, String)>)| {
+        let names = group::unique(of.iter().map(|(name, _)| *name)).join(", ");
+        Finding::of_script(&code, &format!("{names}: {}", of[0].1))
+    };
+    with_codes.into_iter().map(named).collect()
 }
 
 /// Whether it is the file of a recording none of whose channels has the name of a signal of a run.

@@ -13,6 +13,7 @@ use super::{
     Audit, Impact, Indent, Inflation, Measures, Results, RunFindings, Stretch, VERDICT, Verdict, lowest_point,
 };
 use crate::script::object;
+use base::group;
 use base::number::duration;
 use base::units::STANDARD_GRAVITY;
 use base::written::{Reading, capital, digits};
@@ -28,12 +29,7 @@ pub(super) static SUMMARY: LazyLock<Vec<&str>> = LazyLock::new(|| NAMES.iter().m
 static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let of_loadings =
         [names::<BodyFigures>(), names::<Impact>(), names::<Stretch>(), names::<Indent>(), names::<Inflation>()];
-    let mut all: Vec<String> = HEADER.map(String::from).into();
-    for name in of_loadings.into_iter().flatten() {
-        if !all.contains(&name) {
-            all.push(name);
-        }
-    }
+    let mut all = group::unique(HEADER.map(String::from).into_iter().chain(of_loadings.into_iter().flatten()));
     let findings = object(RunFindings::default()).into_iter().map(|(name, _)| name);
     all.extend(names::<Audit>().into_iter().chain(findings).chain(OUTPUT.map(String::from)));
     all

@@ -128,13 +128,13 @@ impl ProgressFolder {
 
     /// Names of the files in the folder; none where there is no folder.
     fn names(&self) -> io::Result<Option<Vec<String>>> {
-        let entries = match fs::read_dir(&self.folder) {
-            Ok(entries) => entries,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        let names = entries.map(|entry| Ok(entry?.file_name().into_string().ok()));
-        names.filter_map(Result::transpose).collect::<io::Result<_>>().map(Some)
+        match file::entries(&self.folder) {
+            Ok(entries) => {
+                Ok(Some(entries.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect()))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 }
 

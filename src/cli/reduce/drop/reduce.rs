@@ -1,13 +1,12 @@
 //! One recording of a drop: read, reduced, its figures in words.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::reduce::drop::{DropArgs, Method};
-use crate::scenarios::sha256;
 use crate::{failure, signal};
 use base::diagnostic::{Diagnostic, folder_of, shown_path};
+use base::file::{entries, sha256};
 use base::finding::Finding;
 use base::number::significant;
 use base::units::STANDARD_GRAVITY;
@@ -198,11 +197,7 @@ fn fingerprint(path: &Path) -> Option<String> {
 
 /// The files in a folder, in the order of their names.
 fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));
-    let mut entries: Vec<PathBuf> = entries.collect::<io::Result<_>>()?;
-    entries.retain(|entry| entry.is_file());
-    entries.sort();
-    Ok(entries)
+    Ok(entries(folder)?.into_iter().filter(|entry| entry.is_file()).collect())
 }
 
 /// Words and value of each figure.

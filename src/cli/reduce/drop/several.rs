@@ -11,6 +11,7 @@ use crate::shell::command_line;
 use crate::{Failure, Shared, output, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
+use base::group;
 use base::number::{rounded, significant};
 use base::table::{Column, Values, to_csv};
 use lab::experiment::drop::Figures;
@@ -144,7 +145,7 @@ fn text(tests: &[DropTest], printed: &Printed<'_>) -> String {
 fn rows(tests: &[DropTest]) -> String {
     let number = |value: Option<f64>| value.map_or_else(|| NOTHING.into(), |value| significant(value, DIGITS));
     let head = ["recording", "height (m)"].map(String::from).into_iter();
-    let head: Vec<String> = head.chain(DROP_QUANTITIES[..PRINTED].iter().map(|quantity| quantity.heading())).collect();
+    let head = head.chain(DROP_QUANTITIES[..PRINTED].iter().map(|quantity| quantity.heading()));
     let names = names(tests);
     let row = |(name, test): (&String, &DropTest)| {
         let values = DROP_QUANTITIES[..PRINTED].iter().map(|quantity| {
@@ -152,45 +153,34 @@ fn rows(tests: &[DropTest]) -> String {
         });
         [name.clone(), number(test.height())].into_iter().chain(values).collect::<Vec<String>>()
     };
-    let lines: Vec<Vec<String>> = std::iter::once(head).chain(names.iter().zip(tests).map(row)).collect();
+    let lines = terminal::table(1, head, names.iter().zip(tests).map(row));
     let beside = |test: &DropTest| test.cause().unwrap_or_else(|| test.codes().join(", "));
     let beside = std::iter::once("findings, or why there is no drop".to_owned()).chain(tests.iter().map(beside));
-    let lines = terminal::aligned(&lines, 1);
     lines.lines().zip(beside).map(|(line, beside)| format!("{}\n", format!("{line}  {beside}").trim_end())).collect()
 }
 
 /// Medians and scatter of drops of one mass and height.
 fn medians(scatter: &DropScatter) -> String {
-    let head = ["median", "lower quartile", "upper quartile", "least", "largest", "drops"].map(String::from);
+    let head = ["median", "lower quartile", "upper quartile", "least", "largest", "drops"];
     let title = format!("{}, {} drops", scatter.conditions(), scatter.drops);
     let row = |figure: &report::FigureScatter| {
         let words = figure.quantity()?.heading();
         let values = figure.shown().map(|value| significant(value, DIGITS));
         Some(std::iter::once(words).chain(values).chain([figure.count.to_string()]).collect::<Vec<String>>())
     };
-    let head = std::iter::once(title).chain(head).collect();
-    let lines: Vec<Vec<String>> = std::iter::once(head).chain(scatter.figures.iter().filter_map(row)).collect();
-    format!("\n{}", terminal::aligned(&lines, 1))
+    let head = std::iter::once(title.as_str()).chain(head);
+    format!("\n{}", terminal::table(1, head, scatter.figures.iter().filter_map(row)))
 }
 
 /// The findings, one line a code: the first that was reported, and how many recordings have it.
 fn reported(tests: &[DropTest]) -> String {
-    let mut groups: Vec<(&Finding, usize)> = Vec::new();
-    for test in tests {
-        for code in test.codes() {
-            match groups.iter_mut().find(|(first, _)| first.code == code) {
-                Some((_, count)) => *count += 1,
-                None => {
-                    groups.extend(test.findings.iter().find(|finding| finding.code == code).map(|first| (first, 1)))
-                }
-            }
-        }
-    }
-    let shown = |(first, count): (&Finding, usize)| {
-        let of = format!("{count} of {}: {}", tests.len(), first.message);
-        Finding { message: of, ..first.clone() }
+    let with_codes = tests.iter().flat_map(|test| test.codes().into_iter().map(move |code| (code, test)));
+    let shown = |(code, with): (&str, Vec<&DropTest>)| {
+        let first = with[0].findings.iter().find(|finding| finding.code == code)?;
+        let message = format!("{} of {}: {}", with.len(), tests.len(), first.message);
+        Some(Finding { message, ..first.clone() })
     };
-    let all: Vec<Finding> = groups.into_iter().map(shown).collect();
+    let all: Vec<Finding> = group::by_key(with_codes).into_iter().filter_map(shown).collect();
     if all.is_empty() { String::new() } else { format!("\n{}", terminal::findings("  ", &all)) }
 }
 
@@ -208,12 +198,8 @@ fn columns(tests: &[DropTest]) -> Vec<Column> {
         _ => Map::new(),
     };
     let figures: Vec<Map<String, Value>> = tests.iter().map(figures).collect();
-    let mut keys: Vec<&String> = Vec::new();
-    for (key, _) in figures.iter().flatten().filter(|(_, value)| value.is_number()) {
-        if !keys.contains(&key) {
-            keys.push(key);
-        }
-    }
+    let numbers_of_all = figures.iter().flatten().filter(|(_, value)| value.is_number());
+    let keys = group::unique(numbers_of_all.map(|(key, _)| key));
     let of_key = |key: &String| {
         let values = figures.iter().map(|figures| figures.get(key).and_then(Value::as_f64).unwrap_or(f64::NAN));
         Column::of_numbers(key.as_str(), values)
@@ -236,22 +222,17 @@ const SAME: usize = 6;
 
 /// The scatter of the drops of each mass and height, in the order in which these occur.
 pub(super) fn scatter(tests: &[DropTest]) -> Vec<DropScatter> {
-    let mut groups: Vec<([Option<f64>; 2], Vec<&Figures>)> = Vec::new();
-    for test in tests {
-        let (Some(figures), Some(tower)) = (&test.figures, test.tower) else { continue };
-        let key = [Some(tower.body.mass), test.height()].map(|value| value.map(|value| rounded(value, SAME)));
-        match groups.iter_mut().find(|(other, _)| *other == key) {
-            Some((_, of_group)) => of_group.push(figures),
-            None => groups.push((key, vec![figures])),
-        }
-    }
-    let group = |([mass, height], figures): ([Option<f64>; 2], Vec<&Figures>)| DropScatter {
+    let with_conditions = tests.iter().filter_map(|test| {
+        let conditions = [Some(test.tower?.body.mass), test.height()];
+        Some((conditions.map(|value| value.map(|value| rounded(value, SAME))), test.figures.as_ref()?))
+    });
+    let scatter = |([mass, height], figures): ([Option<f64>; 2], Vec<&Figures>)| DropScatter {
         mass_kg: mass.unwrap_or(f64::NAN),
         height_m: height,
         drops: figures.len(),
         figures: DROP_QUANTITIES.iter().filter_map(|quantity| of_quantity(quantity, &figures)).collect(),
     };
-    groups.into_iter().map(group).collect()
+    group::by_key(with_conditions).into_iter().map(scatter).collect()
 }
 
 fn of_quantity(quantity: &DropQuantity, figures: &[&Figures]) -> Option<FigureScatter> {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufRead, Cursor, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +13,7 @@ use zip::result::ZipError;
 
 use crate::error::{Error, refusal};
 use crate::signal::text::{self, Lines};
-use base::diagnostic::{folder_of, listed};
+use base::diagnostic::{file_name, folder_of, listed};
 use base::file::{self, FileError};
 
 /// Whether the file at `path` is part of a container, by its name: a folder, `.zip`, `.mme`, `.chn` or `.001`, ….
@@ -35,7 +35,7 @@ pub(super) struct Member {
 impl Member {
     /// The name of the file.
     pub fn name(&self) -> String {
-        name_of(&self.path)
+        file_name(&self.path)
     }
 
     /// Its lines. Of one in an archive, the whole text is held in memory.
@@ -100,7 +100,8 @@ impl Place {
 
     /// The entries of a folder, in the order of their names.
     fn entries(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
-        self.0.as_ref().map_or_else(|| entries_on_disk(folder), |archive| Ok(archive.entries(folder)))
+        let on_disk = || file::entries(folder).map_err(|error| Error::from(FileError::from(error)).in_file(folder));
+        self.0.as_ref().map_or_else(on_disk, |archive| Ok(archive.entries(folder)))
     }
 
     /// The test in a folder, or else its list of channels. An archive may have it in its only folder.
@@ -116,7 +117,7 @@ impl Place {
                 Err(refusal!("neither a test (.mme) nor a list of channels (.chn) in the folder").in_file(folder))
             }
             ([], several, ..) | (several, ..) => {
-                let found = listed(several.iter().map(|file| name_of(file)));
+                let found = listed(several.iter().map(|file| file_name(file)));
                 let error = refusal!("several tests in the folder: {found}");
                 Err(error.with_hint("name the .mme file").in_file(folder))
             }
@@ -125,28 +126,14 @@ impl Place {
 
     /// The folder `Channel` beside a test.
     fn channel_folder(&self, test: &Path) -> Result<PathBuf, Error> {
-        let is_it = |entry: &PathBuf| self.is_folder(entry) && name_of(entry).eq_ignore_ascii_case("channel");
+        let is_it = |entry: &PathBuf| self.is_folder(entry) && file_name(entry).eq_ignore_ascii_case("channel");
         let found = self.entries(folder_of(test))?.into_iter().find(is_it);
         found.ok_or_else(|| refusal!("no folder `Channel` beside the test").in_file(test))
     }
 }
 
-/// The entries of a folder on the disk, in the order of their names.
-fn entries_on_disk(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let failed = |error| Error::from(FileError::from(error)).in_file(folder);
-    let entries = fs::read_dir(folder).map_err(failed)?;
-    let mut paths =
-        entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;
-    paths.sort();
-    Ok(paths)
-}
-
 fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 fn stem_of(path: &Path) -> String {
@@ -227,7 +214,7 @@ impl Archive {
                 return Err(refusal!("the archive holds several files `{name}`"));
             }
         }
-        check_size(&path.file_name().unwrap_or_default().to_string_lossy(), total, MOST_BYTES)?;
+        check_size(&file_name(path), total, MOST_BYTES)?;
         Ok(Archive { path: path.to_owned(), files, zip: Mutex::new(zip) })
     }
 
