@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use base::diagnostic::steers;
 use base::finding::Finding;
+use base::group;
 use base::units::Unit;
 use base::written::Reading;
 use plot::viridis::VIRIDIS;
@@ -205,13 +206,7 @@ pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item 
 
 /// A line (HTML) for each code: of several findings its meaning and their number, with the findings folded below.
 fn grouped(findings: &[&Finding]) -> Vec<String> {
-    let mut groups: Vec<(&str, Vec<&Finding>)> = Vec::new();
-    for finding in findings {
-        match groups.iter_mut().find(|(code, _)| *code == finding.code) {
-            Some((_, group)) => group.push(finding),
-            None => groups.push((&finding.code, vec![finding])),
-        }
-    }
+    let groups = group::by_key(findings.iter().map(|finding| (finding.code.as_str(), *finding)));
     groups.into_iter().map(|(code, group)| line_of_group(code, &group)).collect()
 }
 

@@ -5,6 +5,7 @@ use serde_json::Value;
 use crate::drawn;
 use crate::figure::DIGITS;
 use crate::html::{self, Cell, folded};
+use base::group;
 use base::number;
 use base::written::Reading;
 use plot::{Axis, Curve, Plot, Scale, TIME, thinned};
@@ -71,13 +72,7 @@ pub(crate) fn sections(output: &ScriptOutput, most: usize, fold: Fold) -> String
 
 /// The columns of a table: every name that a row has, in the order of first appearance.
 pub fn columns(rows: &[Row]) -> Vec<String> {
-    let mut columns: Vec<String> = Vec::new();
-    for name in rows.iter().flat_map(Row::keys) {
-        if !columns.contains(name) {
-            columns.push(name.clone());
-        }
-    }
-    columns
+    group::unique(rows.iter().flat_map(Row::keys)).into_iter().cloned().collect()
 }
 
 /// A value of a table as text: numbers rounded, empty where there is none.

@@ -2,6 +2,7 @@
 
 use super::drawn;
 use super::html;
+use base::group;
 use base::number::time_taken;
 use lab::signal::{Series, column};
 use plot::{Curve, Plot, TIME};
@@ -28,12 +29,7 @@ fn differences(verdict: &Verdict) -> String {
 
 /// New over old of each signal that differs, with its corridor.
 fn plots(verdict: &Verdict) -> Vec<Plot> {
-    let mut names: Vec<&str> = Vec::new();
-    for name in verdict.differences.iter().filter_map(|difference| difference.signal()) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = group::unique(verdict.differences.iter().filter_map(|difference| difference.signal()));
     names.into_iter().filter_map(|name| plot(verdict, name)).collect()
 }
 

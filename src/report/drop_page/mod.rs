@@ -1,8 +1,8 @@
 //! The page of recorded drops: of one recording what it shows, also where no drop was reduced; of several a table, their
 //! scatter, and their curves over each other.
 
+mod drop_test;
 mod plots;
-mod test;
 
 use serde_json::{Map, Value};
 
@@ -16,8 +16,8 @@ use lab::experiment::Warning;
 use lab::experiment::drop::Drop;
 use plot::{Plot, thinned, thinned_together};
 
+pub use crate::drop_page::drop_test::{DROP_QUANTITIES, DropQuantity, DropScatter, DropTest, FigureScatter, names};
 pub use crate::drop_page::plots::reading;
-pub use crate::drop_page::test::{DROP_QUANTITIES, DropQuantity, DropScatter, DropTest, FigureScatter, names};
 
 /// Most points of all plots of a page, which keep it below 3 MB.
 const MOST_POINTS: usize = 60_000;

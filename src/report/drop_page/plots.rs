@@ -1,7 +1,7 @@
 //! Plots of recorded drops: the reading with its landmarks, and the motion from contact on.
 
 use super::super::figure::G;
-use super::test::DropTest;
+use super::drop_test::DropTest;
 use lab::experiment::drop::{Drop, Landmarks};
 use lab::signal::column::{self, Column};
 use lab::signal::{Channel, Recording, Series};

@@ -6,6 +6,7 @@ use crate::drawn::{self, Line, RangeLook, ranges};
 use crate::html::{self, Card, escape, kept_together};
 use crate::script_output;
 use crate::study_page::estimates::Estimate;
+use base::group;
 use base::units::Unit;
 use base::written::{Reading, capital, digits, figure};
 use plot::{Plot, thinned};
@@ -119,16 +120,10 @@ fn known(estimates: &[Estimate]) -> Option<String> {
     };
     let open = (!open.is_empty()).then(|| format!("Without a bound: {}.", open.join(", ")));
     // What a calibration doubts has no width in the answer.
-    let mut doubts: Vec<(&str, Vec<String>)> = Vec::new();
-    for (doubt, name) in estimates.iter().filter_map(|one| Some((one.doubt.as_deref()?, one.name()))) {
-        match doubts.iter_mut().find(|(own, _)| *own == doubt) {
-            // Once, of several calibrations.
-            Some((_, names)) if names.contains(&name) => {}
-            Some((_, names)) => names.push(name),
-            None => doubts.push((doubt, vec![name])),
-        }
-    }
+    let doubts = group::by_key(estimates.iter().filter_map(|one| Some((one.doubt.as_deref()?, one.name()))));
     let doubts = doubts.into_iter().map(|(doubt, names)| {
+        // Once, of several calibrations.
+        let names = group::unique(names);
         let verb = if names.len() == 1 { "is" } else { "are" };
         format!("{} {verb} {doubt}.", names.join(" and "))
     });
@@ -148,20 +143,14 @@ pub(super) fn curves(output: &ScriptOutput) -> String {
 
 /// Parameters with their intervals, and what they are compared with (HTML): an axis a parameter.
 pub(super) fn parameters(estimates: &[Estimate]) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for one in estimates {
-        if !names.contains(&one.parameter.as_str()) {
-            names.push(&one.parameter);
-        }
-    }
-    let of = |name: &str| {
-        let own: Vec<&Estimate> = estimates.iter().filter(|one| one.parameter == name).collect();
+    let of = |(_, own): (&str, Vec<&Estimate>)| {
         let is_alone = own.iter().all(|one| one.test.is_none());
         let lines: Vec<Line> = own.iter().map(|one| line(one, is_alone)).collect();
         let heading = if is_alone { String::new() } else { own[0].title() };
         ranges(&heading, RangeLook::Dots, &lines)
     };
-    let blocks: String = names.into_iter().map(of).collect();
+    let of_parameters = group::by_key(estimates.iter().map(|one| (one.parameter.as_str(), one)));
+    let blocks: String = of_parameters.into_iter().map(of).collect();
     let marks = estimates.iter().find_map(|one| one.mark.as_ref()).map(|(_, what)| format!("; diamonds: {what}"));
     let basis = estimates.iter().find_map(|one| one.basis.as_ref());
     let basis = basis.map(|basis| format!(", by the {basis}")).unwrap_or_default();

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::super::figure::{DIGITS, G};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::finding::Finding;
+use base::group;
 use base::number::significant;
 use lab::experiment::drop::{Drop, DropChannels, Figures, Landmarks, Tower};
 
@@ -65,13 +66,7 @@ impl DropTest {
 
     /// Codes of the findings, each once.
     pub fn codes(&self) -> Vec<&str> {
-        let mut codes: Vec<&str> = Vec::new();
-        for finding in &self.findings {
-            if !codes.contains(&finding.code.as_str()) {
-                codes.push(&finding.code);
-            }
-        }
-        codes
+        group::unique(self.findings.iter().map(|finding| finding.code.as_str()))
     }
 
     /// Whether the recording says that nothing was measured.
