@@ -34,7 +34,7 @@ pub(crate) const FILM: ShippedModule =
 
 /// A checked scenario in a script. Cheap to clone.
 #[derive(Clone)]
-pub struct Study(Arc<Parts>);
+pub struct ScenarioHandle(Arc<Parts>);
 
 struct Parts {
     document: Document,
@@ -61,7 +61,7 @@ impl Scenarios {
     /// The scenario at `path`, relative to the working directory, with the changes; checked.
     ///
     /// The session records the files that this reads.
-    fn read(&self, path: &Path, session: &Session) -> HostResult<Study> {
+    fn read(&self, path: &Path, session: &Session) -> HostResult<ScenarioHandle> {
         let document = Document::read(path).map_err(|mut found| {
             let folder = std::env::current_dir().ok().filter(|_| path.is_relative() && !path.exists());
             if let (Some(folder), Some(mistake)) = (folder, found.first_mut()) {
@@ -73,13 +73,13 @@ impl Scenarios {
             }
             mistakes(found)
         })?;
-        Study::check(document.with(&self.changes), None, self.evaluations.clone(), session)
+        ScenarioHandle::check(document.with(&self.changes), None, self.evaluations.clone(), session)
     }
 
     /// The scenario in a file that a script names, or one that it has read.
-    pub(crate) fn named(&self, given: &Dynamic, session: &Session) -> HostResult<Study> {
-        if let Some(study) = given.read_lock::<Study>() {
-            return Ok(study.clone());
+    pub(crate) fn named(&self, given: &Dynamic, session: &Session) -> HostResult<ScenarioHandle> {
+        if let Some(scenario) = given.read_lock::<ScenarioHandle>() {
+            return Ok(scenario.clone());
         }
         let path = given.clone().into_string();
         let path = path.map_err(|found| refuse!("expected a scenario or the path of one, found {found}"))?;
@@ -87,11 +87,11 @@ impl Scenarios {
     }
 
     /// The option `scenario` with the changes of the option `set`, which messages name as `set`.
-    pub(crate) fn changed(&self, options: &Options<'_>, set: &str, session: &Session) -> HostResult<Study> {
-        let study = self.named(options.value("scenario")?, session)?;
-        let Some(changes) = options.map.get("set") else { return Ok(study) };
+    pub(crate) fn changed(&self, options: &Options<'_>, set: &str, session: &Session) -> HostResult<ScenarioHandle> {
+        let scenario = self.named(options.value("scenario")?, session)?;
+        let Some(changes) = options.map.get("set") else { return Ok(scenario) };
         let changes = changes.read_lock::<Map>().ok_or_else(|| refuse!("{set} is a map of keys and values"))?;
-        study.with(changes_of(&changes)?, session)
+        scenario.with(changes_of(&changes)?, session)
     }
 }
 
@@ -104,7 +104,7 @@ type Found = Result<Outcome, NoOutcome>;
 /// What makes figures of an outcome.
 type Measure = fn(&Plan, &Model, &Outcome) -> Result<Results, EvaluateError>;
 
-impl Study {
+impl ScenarioHandle {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.0.model.name
@@ -130,13 +130,13 @@ impl Study {
         &self.0.document
     }
 
-    /// Checks `document`, which may be a variant of another study.
+    /// Checks `document`, which may be a variant of another scenario.
     fn check(
         document: Document,
         other: Option<&Parts>,
         evaluations: Option<Arc<Evaluations>>,
         session: &Session,
-    ) -> HostResult<Study> {
+    ) -> HostResult<ScenarioHandle> {
         let model = model::check(&document).map_err(mistakes)?;
         session.report(model::warnings(&document, &model).iter().map(Finding::new));
         let plan = match other.filter(|other| Plan::is_common(&model, &other.model)) {
@@ -151,18 +151,18 @@ impl Study {
             }
         }
         let _claim = session.budget().claim(MODEL_SIZE + document.size());
-        Ok(Study(Arc::new(Parts { document, model, plan, evaluations, _claim })))
+        Ok(ScenarioHandle(Arc::new(Parts { document, model, plan, evaluations, _claim })))
     }
 
-    /// A study of the scenario with changed values of its keys.
-    pub(crate) fn with(&self, changes: Changes, session: &Session) -> HostResult<Study> {
+    /// The scenario with changed values of its keys.
+    pub(crate) fn with(&self, changes: Changes, session: &Session) -> HostResult<ScenarioHandle> {
         let changes = changes.iter().map(|(key, value)| assignment(key, value));
         let changes = changes.collect::<HostResult<Vec<_>>>()?;
-        Study::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
+        ScenarioHandle::check(self.0.document.with(&changes), Some(&*self.0), self.0.evaluations.clone(), session)
     }
 
     /// The same scenario with an impactor, the one that is recorded, faster by so much (m/s); the scenario as written stays.
-    pub(crate) fn faster(&self, by: f64, session: &Session) -> Study {
+    pub(crate) fn faster(&self, by: f64, session: &Session) -> ScenarioHandle {
         let mut model = self.0.model.clone();
         let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
         if let Some(impactor) = model.impactors.get_mut(recorded) {
@@ -173,7 +173,7 @@ impl Study {
     }
 
     /// The same scenario on elements of another size; none where a file has them.
-    pub(crate) fn with_elements(&self, factor: f64, session: &Session) -> Option<Study> {
+    pub(crate) fn with_elements(&self, factor: f64, session: &Session) -> Option<ScenarioHandle> {
         if self.has_own_mesh() {
             return None;
         }
@@ -200,11 +200,11 @@ impl Study {
     }
 
     /// A variant whose checked scenario differs in what needs no other preparation.
-    fn of_model(&self, model: Model, session: &Session) -> Study {
+    fn of_model(&self, model: Model, session: &Session) -> ScenarioHandle {
         let Parts { document, plan, evaluations, .. } = &*self.0;
         let _claim = session.budget().claim(MODEL_SIZE + document.size());
         let (document, plan, evaluations) = (document.clone(), plan.clone(), evaluations.clone());
-        Study(Arc::new(Parts { document, model, plan, evaluations, _claim }))
+        ScenarioHandle(Arc::new(Parts { document, model, plan, evaluations, _claim }))
     }
 
     /// The run.
@@ -389,24 +389,24 @@ fn points(law: &Law, name: &str) -> HostResult<Vec<[f64; 2]>> {
 /// Simulates all in parallel; the runs are in the order of the scenarios.
 fn simulate_all(context: NativeCallContext, scenarios: Array) -> HostResult<Array> {
     let session = Session::from_context(&context);
-    let study = |item: Dynamic| {
+    let scenario = |item: Dynamic| {
         let found = item.type_name();
-        let study = item.try_cast::<Study>();
-        study.ok_or_else(|| refuse!("expected a list of scenarios, found {found} in it"))
+        let scenario = item.try_cast::<ScenarioHandle>();
+        scenario.ok_or_else(|| refuse!("expected a list of scenarios, found {found} in it"))
     };
-    let studies = scenarios.into_iter().map(study).collect::<HostResult<Vec<_>>>()?;
+    let handles = scenarios.into_iter().map(scenario).collect::<HostResult<Vec<_>>>()?;
     // All have the evaluations of the script.
-    let keeping = studies.iter().find(|study| study.0.evaluations.is_some());
-    keeping.into_iter().for_each(|study| study.ask_for(studies.len()));
-    let share = keeping.and_then(|study| study.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
+    let keeping = handles.iter().find(|scenario| scenario.0.evaluations.is_some());
+    keeping.into_iter().for_each(|scenario| scenario.ask_for(handles.len()));
+    let share = keeping.and_then(|scenario| scenario.0.evaluations.as_ref()).map_or(Share::WHOLE, |own| own.share());
     let unless_claimed =
-        |place: usize| studies[place].simulate_with(&session, Evaluations::outcome_unless_claimed, Plan::measure);
-    let found = run_all(&session, &share.order(studies.len()), unless_claimed)?;
+        |place: usize| handles[place].simulate_with(&session, Evaluations::outcome_unless_claimed, Plan::measure);
+    let found = run_all(&session, &share.order(handles.len()), unless_claimed)?;
     // What other processes compute comes last.
-    let found: Vec<(&Study, Option<Run>)> = studies.iter().zip(found).collect();
-    let runs = run_list(&session, &found, |(study, run)| match run {
+    let found: Vec<(&ScenarioHandle, Option<Run>)> = handles.iter().zip(found).collect();
+    let runs = run_list(&session, &found, |(scenario, run)| match run {
         Some(run) => Ok(run.clone()),
-        None => study.simulate_or_wait(&session, Plan::measure),
+        None => scenario.simulate_or_wait(&session, Plan::measure),
     });
     Ok(runs?.into_iter().map(Dynamic::from).collect())
 }
@@ -460,40 +460,44 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
     register_coupon_material(engine);
     Session::of_engine(engine).ship(&[FILM]);
     engine
-        .register_type_with_name::<Study>("scenario")
+        .register_type_with_name::<ScenarioHandle>("scenario")
         .register_fn("scenario", move |context: NativeCallContext, path: &str| {
             scenarios.read(Path::new(path), &Session::from_context(&context))
         })
-        .register_fn("with", |context: NativeCallContext, study: &mut Study, changes: Map| {
-            study.with(changes_of(&changes)?, &Session::from_context(&context))
+        .register_fn("with", |context: NativeCallContext, scenario: &mut ScenarioHandle, changes: Map| {
+            scenario.with(changes_of(&changes)?, &Session::from_context(&context))
         })
-        .register_fn("simulate", |context: NativeCallContext, study: &mut Study| {
-            study.simulate(&Session::from_context(&context))
+        .register_fn("simulate", |context: NativeCallContext, scenario: &mut ScenarioHandle| {
+            scenario.simulate(&Session::from_context(&context))
         })
         .register_fn("simulate_all", simulate_all)
-        .register_fn("pull", |study: &mut Study, strains: Array| {
-            study.pull(numbers(&strains, "a strain")?, &Map::new())
+        .register_fn("pull", |scenario: &mut ScenarioHandle, strains: Array| {
+            scenario.pull(numbers(&strains, "a strain")?, &Map::new())
         })
-        .register_fn("pull", |study: &mut Study, strains: Array, more: Map| {
-            study.pull(numbers(&strains, "a strain")?, &more)
+        .register_fn("pull", |scenario: &mut ScenarioHandle, strains: Array, more: Map| {
+            scenario.pull(numbers(&strains, "a strain")?, &more)
         })
-        .register_fn("pull", |study: &mut Study, at: Curve| study.pull(at.strain().to_vec(), &Map::new()))
-        .register_fn("pull", |study: &mut Study, at: Curve, more: Map| study.pull(at.strain().to_vec(), &more))
-        .register_fn("stresses", |study: &mut Study, strains: Array| {
-            study.stresses(&numbers(&strains, "a strain")?, &Map::new())
+        .register_fn("pull", |scenario: &mut ScenarioHandle, at: Curve| {
+            scenario.pull(at.strain().to_vec(), &Map::new())
         })
-        .register_fn("stresses", |study: &mut Study, strains: Array, more: Map| {
-            study.stresses(&numbers(&strains, "a strain")?, &more)
+        .register_fn("pull", |scenario: &mut ScenarioHandle, at: Curve, more: Map| {
+            scenario.pull(at.strain().to_vec(), &more)
         })
-        .register_get("reference", |study: &mut Study| study.comparison().cloned().map(ReferenceSignals))
-        .register_get("window", |study: &mut Study| study.comparison().map(|own| list(&own.window)))
-        .register_fn("curve", |study: &mut Study, name: &str| study.curve(name, None))
-        .register_fn("curve", |study: &mut Study, name: &str, face: INT| study.curve(name, Some(face)))
-        .register_fn("written", |study: &mut Study, key: &str| study.written(key))
-        .register_fn("material_text", |study: &mut Study| study.material_text())
-        .register_get("model", |study: &mut Study| from_json(&Value::Object(run::facts(&study.0.model))))
-        .register_get("name", |study: &mut Study| study.0.model.name.clone())
-        .register_get("title", |study: &mut Study| study.0.model.title.clone());
+        .register_fn("stresses", |scenario: &mut ScenarioHandle, strains: Array| {
+            scenario.stresses(&numbers(&strains, "a strain")?, &Map::new())
+        })
+        .register_fn("stresses", |scenario: &mut ScenarioHandle, strains: Array, more: Map| {
+            scenario.stresses(&numbers(&strains, "a strain")?, &more)
+        })
+        .register_get("reference", |scenario: &mut ScenarioHandle| scenario.comparison().cloned().map(ReferenceSignals))
+        .register_get("window", |scenario: &mut ScenarioHandle| scenario.comparison().map(|own| list(&own.window)))
+        .register_fn("curve", |scenario: &mut ScenarioHandle, name: &str| scenario.curve(name, None))
+        .register_fn("curve", |scenario: &mut ScenarioHandle, name: &str, face: INT| scenario.curve(name, Some(face)))
+        .register_fn("written", |scenario: &mut ScenarioHandle, key: &str| scenario.written(key))
+        .register_fn("material_text", |scenario: &mut ScenarioHandle| scenario.material_text())
+        .register_get("model", |scenario: &mut ScenarioHandle| from_json(&Value::Object(run::facts(&scenario.0.model))))
+        .register_get("name", |scenario: &mut ScenarioHandle| scenario.0.model.name.clone())
+        .register_get("title", |scenario: &mut ScenarioHandle| scenario.0.model.title.clone());
 }
 
 /// Default name of the file of the shear curve.

@@ -10,7 +10,7 @@ use super::bindings::Calibrated;
 use super::left_out::{self, LeftOut};
 use super::plan::Plan;
 use super::pulled;
-use super::test::Test;
+use super::recorded_test::Test;
 use super::warning::Warning;
 use crate::scenario_functions::Changes;
 use crate::script::{HostResult, Options, Row, numbers, object, refuse};

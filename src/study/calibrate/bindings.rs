@@ -15,12 +15,12 @@ use super::parameter::{self, Role, Unknown};
 use super::plan::{self, Plan};
 use super::posterior::{Beginning, Posterior, PosteriorOptions};
 use super::prediction::{Asked, Prediction};
+use super::recorded_test::{self, Test};
 use super::rows;
-use super::test::{self, Test};
 use super::verdict;
 use super::warning::Warning;
 use crate::identify::SearchHost;
-use crate::scenario_functions::{Scenarios, Study};
+use crate::scenario_functions::{ScenarioHandle, Scenarios};
 use crate::script::{
     CallOptions, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key, texts,
 };
@@ -217,7 +217,7 @@ impl Calibration {
     }
 
     /// The scenario of a test with the best values.
-    fn test(&self, name: &str, session: &Session) -> HostResult<Study> {
+    fn test(&self, name: &str, session: &Session) -> HostResult<ScenarioHandle> {
         let Parts { plan, fit, .. } = &*self.0;
         let place = plan.place_of(name)?;
         plan.tests[place].study.with(plan.changes_with_breaks(place, &fit.values), session)
@@ -290,7 +290,7 @@ impl Calibration {
     }
 
     /// A scenario to predict, or `#{ scenario, name, set }`.
-    fn predicted(&self, given: &Dynamic, session: &Session) -> HostResult<(String, Study)> {
+    fn predicted(&self, given: &Dynamic, session: &Session) -> HostResult<(String, ScenarioHandle)> {
         let scenarios = &self.0.around.scenarios;
         let Some(map) = given.clone().try_cast::<Map>() else {
             let study = scenarios.named(given, session)?;
@@ -434,7 +434,7 @@ pub(super) fn asked(options: &Options<'_>) -> HostResult<Asked> {
     }
     // The names of signals are known before the posterior is sampled, and what they stand for.
     let signals = options.texts("signals")?;
-    let signals = signals.iter().map(|name| Ok(test::found_column(name).map_err(refuse)?.short.to_owned()));
+    let signals = signals.iter().map(|name| Ok(recorded_test::found_column(name).map_err(refuse)?.short.to_owned()));
     Ok(Asked {
         samples: options.whole("samples", 64, 2..=100_000)?,
         figures,

@@ -7,7 +7,7 @@ use super::bindings::Calibrated;
 use super::error_model::Noise;
 use super::objective::CalibrationObjective;
 use super::pulled;
-use super::test::{Test, Tolerances};
+use super::recorded_test::{Test, Tolerances};
 use super::verdict::{self, Verdict};
 use super::warning::Warning;
 use crate::script::{HostResult, Options, Row, object, refuse, run_list};
@@ -99,7 +99,7 @@ fn candidate(given: &Dynamic, Calibrated { plan, fit, around, session }: &Calibr
     let best = study.with(plan.shared_changes(&fit.values, &plan.taken_by(&study, session)), session)?;
     let signals = match map.get("pull") {
         Some(given) => pulled::as_recorded(given, &best)?,
-        None => super::test::as_recorded(&map, &study, &best.simulate(session)?)?,
+        None => super::recorded_test::as_recorded(&map, &study, &best.simulate(session)?)?,
     };
     map.insert("recordings".into(), signals.into());
     let tolerances = Tolerances { noise: Noise::Share(ASSUMED_NOISE), correlation: plan.correlation };

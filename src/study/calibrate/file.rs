@@ -11,8 +11,8 @@ use serde_json::Value as Json;
 
 use super::bindings::{Calibration, Surroundings, asked};
 use super::plan::Plan;
-use super::test::found_column;
-use crate::scenario_functions::{Scenarios, Study};
+use super::recorded_test::found_column;
+use crate::scenario_functions::{ScenarioHandle, Scenarios};
 use crate::script::{self, HostResult, Options, Session, cause, refused_key};
 use base::diagnostic::{Diagnostic, Source, Span, did_you_mean};
 use base::file;
@@ -202,7 +202,7 @@ impl StudyFile {
         let predicted = read("predict", self.predict.as_ref().map(|(list, _)| list))?;
         if let Some((_, options)) = &self.predict {
             let asked = asked(&Options { of: "predict", map: options });
-            let mut all = predicted.iter().filter_map(Dynamic::read_lock::<Study>);
+            let mut all = predicted.iter().filter_map(Dynamic::read_lock::<ScenarioHandle>);
             self.located("predict", asked.and_then(|asked| all.try_for_each(|own| asked.check_names(&own))))?;
         }
         Ok([candidates, predicted])

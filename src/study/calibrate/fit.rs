@@ -9,7 +9,7 @@ use super::error_model::{Correlation, Left, Shape, likelier, most_likely};
 use super::mesh;
 use super::objective::CalibrationObjective;
 use super::plan::Plan;
-use super::test::Test;
+use super::recorded_test::Test;
 use super::verdict::{self, Knowledge, Verdict};
 use super::warning::Warning;
 use crate::identify::{
@@ -19,6 +19,7 @@ use crate::identify::{
 use crate::post::{VIRTUAL_REFERENCE, left_open};
 use crate::script::{HostResult, Session, cause, check_stop, refuse, run_all};
 use base::finding::Finding;
+use base::group;
 use base::number::wall_time;
 use lab::signal::Series;
 use scene::simulate::COARSE_CONTACT;
@@ -221,13 +222,8 @@ fn of_errors(plan: &Plan, simulated: &[Vec<Series>], share: f64) -> HostResult<V
     let along = |test: &&Test| test.signals.iter().any(|own| own.distance.is_residuals());
     let mut found = Vec::new();
     if plan.estimates_share() {
-        let mut shapes: Vec<String> = Vec::new();
-        for test in plan.tests.iter().filter(along) {
-            let shape = test.signals[0].errors.shape().to_string();
-            if !shapes.contains(&shape) {
-                shapes.push(shape);
-            }
-        }
+        let shapes = plan.tests.iter().filter(along).map(|test| test.signals[0].errors.shape().to_string());
+        let shapes = group::unique(shapes);
         found.push(Warning::ModelError { share, correlation: shapes.join("; ") });
     }
     if plan.correlation.is_some() {

@@ -22,8 +22,8 @@ mod plan;
 mod posterior;
 mod pulled;
 mod prediction;
+mod recorded_test;
 mod rows;
-mod test;
 mod verdict;
 mod warning;
 

@@ -2,7 +2,7 @@
 
 use super::outcome::Outcomes;
 use super::plan::{Plan, Stage};
-use super::test::{Signal, Test};
+use super::recorded_test::{Signal, Test};
 use crate::identify::{Evaluation, FatalError, Objective, Trial};
 use crate::script::{HostResult, Session, is_numerical, refuse, thrown};
 use base::cancellation::Cancellation;

@@ -9,8 +9,9 @@ use rhai::{Dynamic, Map};
 use serde_json::Value;
 
 use crate::post::Run;
-use crate::scenario_functions::{Changes, Study};
+use crate::scenario_functions::{Changes, ScenarioHandle};
 use crate::script::{HostResult, Options, Session, one_or_several, refuse};
+use base::group;
 use base::units::{Dimension, Mass, Time};
 use lab::signal::Series;
 use lab::signal::column::{MAX_STRAIN_MD, MAX_STRAIN_TD};
@@ -54,7 +55,7 @@ pub(super) enum Outcome {
 /// The outcomes of a test, one a specimen, and the scenario whose film does not break.
 #[derive(Clone)]
 pub(super) struct Outcomes {
-    pub(super) study: Study,
+    pub(super) study: ScenarioHandle,
     /// Break strains of the scenario's film over those of its curves, MD and TD.
     pub(super) factors: [f64; 2],
     /// Each with the number of specimens that had it.
@@ -92,7 +93,7 @@ struct Local {
 }
 
 /// What is known of a test by its options `outcome`, `failure_mass` and `rupture_time`; none where it has none of them.
-pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Option<Outcomes>> {
+pub(super) fn read(map: &Map, study: &ScenarioHandle, session: &Session) -> HostResult<Option<Outcomes>> {
     let mut all: Vec<Outcome> = Vec::new();
     let several = |name: &str| match map.get(name).map(one_or_several) {
         Some(list) if list.is_empty() => Err(refuse!("`{name}` is an empty array: what is known of each specimen")),
@@ -125,14 +126,9 @@ pub(super) fn read(map: &Map, study: &Study, session: &Session) -> HostResult<Op
         return Ok(None);
     }
     let (study, factors) = unbroken(study, session)?;
-    let mut counted: Vec<(Outcome, usize)> = Vec::new();
-    for one in all {
-        match counted.iter_mut().find(|(own, _)| *own == one) {
-            Some((_, specimens)) => *specimens += 1,
-            None => counted.push((one, 1)),
-        }
-    }
-    Ok(Some(Outcomes { study, factors, all: counted }))
+    let counted = group::by_key(all.into_iter().map(|one| (one, ())));
+    let all = counted.into_iter().map(|(one, specimens)| (one, specimens.len())).collect();
+    Ok(Some(Outcomes { study, factors, all }))
 }
 
 /// A quantity above zero, or a map of it and its error, which is not below zero.
@@ -166,7 +162,7 @@ fn with_error(
 
 /// The scenario with film that does not break and without its recording, whose window would end it; and the break strains of its
 /// film over those of the curves.
-fn unbroken(study: &Study, session: &Session) -> HostResult<(Study, [f64; 2])> {
+fn unbroken(study: &ScenarioHandle, session: &Session) -> HostResult<(ScenarioHandle, [f64; 2])> {
     let model = study.model();
     if !matches!(model.loading, Loading::Impact(_)) {
         return Err(refuse("`outcome`, `failure_mass` and `rupture_time` are of drop tests: `[loading.impact]`"));
@@ -184,7 +180,7 @@ fn unbreakable() -> Changes {
 }
 
 /// The break strains of the film of a scenario along MD and TD over those of its curves.
-pub(super) fn factors(study: &Study, session: &Session) -> HostResult<[f64; 2]> {
+pub(super) fn factors(study: &ScenarioHandle, session: &Session) -> HostResult<[f64; 2]> {
     let model = study.model();
     for face in &model.faces {
         let missing = match (&face.material.law, &face.material.rupture) {
@@ -213,7 +209,7 @@ pub(super) fn factors(study: &Study, session: &Session) -> HostResult<[f64; 2]> 
 }
 
 /// Smallest break strains of all faces along MD and TD.
-fn break_strains(study: &Study) -> [f64; 2] {
+fn break_strains(study: &ScenarioHandle) -> [f64; 2] {
     let of_faces = |along: usize| study.model().faces.iter().map(move |face| face.material.break_strains()[along]);
     [0, 1].map(|along| of_faces(along).fold(f64::INFINITY, f64::min))
 }
@@ -496,7 +492,7 @@ struct History {
 
 impl History {
     /// Of a run of a scenario whose film does not break.
-    fn new(run: &Run, study: &Study) -> HostResult<History> {
+    fn new(run: &Run, study: &ScenarioHandle) -> HostResult<History> {
         Ok(History {
             strains: [run.channel(MAX_STRAIN_MD.short)?, run.channel(MAX_STRAIN_TD.short)?],
             breaks: break_strains(study).map(|strain| strain / UNBROKEN),

@@ -9,9 +9,9 @@ use super::file;
 use super::mesh::{self, Elements};
 use super::outcome::{Breaks, Outcomes, USUAL_SCATTER};
 use super::parameter::{self, Parameter, Role, Unknown};
-use super::test::{self, Signal, Test, Tolerances};
+use super::recorded_test::{self, Signal, Test, Tolerances};
 use crate::identify::{Bounds, Method, Search, Starts};
-use crate::scenario_functions::{Changes, Scenarios, Study, changes_of};
+use crate::scenario_functions::{Changes, ScenarioHandle, Scenarios, changes_of};
 use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
 use base::units::Time;
 use uncertainty::design::{self, Levels};
@@ -82,7 +82,7 @@ impl BreakUnknowns {
 /// What is run of a test in a stage: the scenario of its signals, and its outcomes.
 #[derive(Clone)]
 pub(super) struct Stage {
-    pub(super) study: Study,
+    pub(super) study: ScenarioHandle,
     pub(super) outcomes: Option<Outcomes>,
 }
 
@@ -101,7 +101,7 @@ impl Plan {
         let options = Options::new("calibrate", given, &file::options())?;
         let (discrepancy, correlation) =
             discrepancy(given.get("discrepancy")).map_err(|text| refuse_key("discrepancy", &text, None))?;
-        let noise = given.get("noise").map_or(Ok(Noise::FromRecording), test::noise)?;
+        let noise = given.get("noise").map_or(Ok(Noise::FromRecording), recorded_test::noise)?;
         let tolerances = Tolerances { noise, correlation };
         let tests = tests(&options, scenarios, tolerances, session)?;
         let parameters = parameters(&options, &tests)?;
@@ -113,8 +113,7 @@ impl Plan {
             return Err(refuse_key("precision", &text, None));
         }
         let keeps_ruptured = options.word("on_rupture", &[("fail", false), ("keep", true)])?.unwrap_or(false);
-        let elements = [("corrected", Elements::Corrected), ("exact", Elements::Exact)];
-        let elements = options.word("mesh", &elements)?.unwrap_or(Elements::Corrected);
+        let elements = given.get("mesh").map_or(Ok(Elements::Corrected), elements)?;
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
             name,
@@ -306,7 +305,7 @@ impl Plan {
 
     /// The parameters that a scenario which is no test takes: those that all tests have, and of the others those whose
     /// keys it has, and no other parameter too.
-    pub(super) fn taken_by(&self, study: &Study, session: &Session) -> Vec<usize> {
+    pub(super) fn taken_by(&self, study: &ScenarioHandle, session: &Session) -> Vec<usize> {
         let start = self.start();
         let takes = |index: &usize| {
             let parameter = &self.parameters[*index];
@@ -541,6 +540,18 @@ fn search(options: &Options<'_>) -> HostResult<(Search, usize)> {
         ..Search::new(method, Vec::new())
     };
     Ok((search, starts))
+}
+
+/// Whether signals are corrected for their elements.
+fn elements(given: &Dynamic) -> HostResult<Elements> {
+    match given.to_string().as_str() {
+        "corrected" => Ok(Elements::Corrected),
+        "exact" => Ok(Elements::Exact),
+        other => {
+            let known = "\"corrected\", or \"exact\" of virtual recordings on the same elements";
+            Err(refuse_key("mesh", &format!("`mesh` must be {known}, not \"{other}\""), None))
+        }
+    }
 }
 
 /// The model's error that an option gives: a share, a map of share and correlation, or "estimated".

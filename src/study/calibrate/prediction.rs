@@ -9,10 +9,10 @@ use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
 use super::posterior::{Draw, Posterior};
-use super::test::found_column;
+use super::recorded_test::found_column;
 use super::warning::Warning;
 use crate::post::{self, Run, is_known, is_result};
-use crate::scenario_functions::Study;
+use crate::scenario_functions::ScenarioHandle;
 use crate::script::{HostResult, Row, Session, cause, object, refuse, run_list};
 use base::diagnostic::did_you_mean;
 use lab::signal::Series;
@@ -60,7 +60,7 @@ impl Prediction {
     /// Runs a scenario, which tables call `name`, with draws of the posterior.
     pub(super) fn new(
         name: &str,
-        study: &Study,
+        study: &ScenarioHandle,
         posterior: &Posterior,
         asked: &Asked,
         session: &Session,
@@ -121,7 +121,7 @@ type Error = (f64, Size);
 
 /// A scenario whose runs take draws of a posterior.
 struct Drawn<'a> {
-    study: &'a Study,
+    study: &'a ScenarioHandle,
     plan: &'a Plan,
     /// Indices of the parameters that it takes.
     taken: Vec<usize>,
@@ -130,7 +130,7 @@ struct Drawn<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    fn new(study: &'a Study, plan: &'a Plan, session: &Session) -> Drawn<'a> {
+    fn new(study: &'a ScenarioHandle, plan: &'a Plan, session: &Session) -> Drawn<'a> {
         // Break strains are drawn for each run where the tests tell of them and the scenario's film has some.
         let breaks = match plan.has_outcomes() {
             false => Ok(None),
@@ -189,7 +189,7 @@ impl Asked {
 
     /// Refuses a figure that no run of a scenario can have, before any runs. A post script may make up names that it does not hold,
     /// but hardly ones that are nearly those of all runs.
-    pub(super) fn check_names(&self, study: &Study) -> HostResult<()> {
+    pub(super) fn check_names(&self, study: &ScenarioHandle) -> HostResult<()> {
         let has_several = study.model().impactors.len() > 1;
         let (script, figures) = (study.plan().whole_script(), post::figures());
         let known = || figures.iter().map(|own| own.name.as_str());
@@ -312,7 +312,11 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, Error)]) -> Vec<Ro
 }
 
 /// The band of a signal: of the parameters, and with the model's error of each draw; and what of the recording lies in it.
-fn band((scenario, study): (&str, &Study), name: &str, runs: &[(Run, Error)]) -> HostResult<(Plot, Option<Row>)> {
+fn band(
+    (scenario, study): (&str, &ScenarioHandle),
+    name: &str,
+    runs: &[(Run, Error)],
+) -> HostResult<(Plot, Option<Row>)> {
     let signals = runs.iter().map(|(run, error)| Ok((run.channel(name)?, *error))).collect::<HostResult<Vec<_>>>()?;
     let end = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(f64::INFINITY, f64::min);
     let start = signals.iter().filter_map(|(own, _)| own.time().first().copied()).fold(f64::NEG_INFINITY, f64::max);

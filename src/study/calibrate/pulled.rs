@@ -2,7 +2,7 @@
 
 use rhai::{Dynamic, Map};
 
-use crate::scenario_functions::{Study, across_named};
+use crate::scenario_functions::{ScenarioHandle, across_named};
 use crate::script::{self, HostResult, refuse};
 use lab::experiment::coupon::Curve;
 use lab::signal::Series;
@@ -13,7 +13,7 @@ use scene::simulate::Across;
 const STEPS: usize = 120;
 
 /// The option `pull`: what holds the film across.
-pub(super) fn across(given: &Dynamic, study: &Study) -> HostResult<Across> {
+pub(super) fn across(given: &Dynamic, study: &ScenarioHandle) -> HostResult<Across> {
     // Coupons are pulled along one direction.
     let across = across_named(&given.to_string()).filter(|across| *across != Across::Equal);
     let across = across.ok_or_else(|| refuse!("`pull` is \"strip\", \"free\" or \"held\", not \"{given}\""))?;
@@ -43,7 +43,7 @@ pub(super) fn window(given: Option<&Dynamic>) -> HostResult<[f64; 2]> {
 }
 
 /// Stress over strain of the film of a scenario, up to a strain.
-pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<Series> {
+pub(super) fn simulated(study: &ScenarioHandle, across: Across, end: f64) -> HostResult<Series> {
     if !(end > 0.0 && end.is_finite()) {
         return Err(refuse!("a pull ends at a strain above zero, not at {end}"));
     }
@@ -53,7 +53,7 @@ pub(super) fn simulated(study: &Study, across: Across, end: f64) -> HostResult<S
 }
 
 /// The signals of a pull as a recording would have them, to the strain at which the scenario ends.
-pub(super) fn as_recorded(given: &Dynamic, study: &Study) -> HostResult<Map> {
+pub(super) fn as_recorded(given: &Dynamic, study: &ScenarioHandle) -> HostResult<Map> {
     let across = across(given, study)?;
     let Loading::Stretch(stretch) = &study.model().loading else { return Err(refuse("nothing is pulled")) };
     let series = simulated(study, across, stretch.until)?;

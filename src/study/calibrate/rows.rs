@@ -126,7 +126,7 @@ pub(super) fn posterior(found: &Posterior, known: &[Knowledge]) -> Vec<Row> {
 
 /// One row a test: the error of its surrogate.
 pub(super) fn surrogates(found: &Posterior) -> Vec<Row> {
-    let row = |((test, error), runs): ((&super::test::Test, &f64), &usize)| {
+    let row = |((test, error), runs): ((&super::recorded_test::Test, &f64), &usize)| {
         object(json!({ "test": test.name, "surrogate_off": error, "runs": runs, "acceptance": found.acceptance }))
     };
     found.plan.tests.iter().zip(&found.errors).zip(&found.runs_of_tests).map(row).collect()

@@ -37,7 +37,7 @@ pub enum Origin {
         scenario: PathBuf,
     },
     /// The output of a script.
-    Study {
+    Script {
         /// File of the script.
         script: PathBuf,
         /// File of the scenario that the script was given.
@@ -60,8 +60,8 @@ impl fmt::Display for Origin {
         match self {
             Origin::Run { scenario } => write!(f, "the run of {}", shown_path(scenario)),
             Origin::Sweep { scenario } => write!(f, "the sweep of {}", shown_path(scenario)),
-            Origin::Study { script, scenario: None } => write!(f, "the results of {}", shown_path(script)),
-            Origin::Study { script, scenario: Some(scenario) } => {
+            Origin::Script { script, scenario: None } => write!(f, "the results of {}", shown_path(script)),
+            Origin::Script { script, scenario: Some(scenario) } => {
                 write!(f, "the results of {} with {}", shown_path(script), shown_path(scenario))
             }
             Origin::Comparison { runs } => write!(f, "the comparison of {}", listed(runs)),
@@ -85,7 +85,7 @@ impl Origin {
 
     /// Of a script at `script` that was given the scenario at `scenario`.
     pub fn of_script(script: &Path, scenario: Option<&Path>) -> Origin {
-        Origin::Study { script: full(script), scenario: scenario.map(full) }
+        Origin::Script { script: full(script), scenario: scenario.map(full) }
     }
 
     /// Of a comparison of these runs.
@@ -124,7 +124,7 @@ impl Origin {
         let called_in = place.join(call[run_files::WORKING_FOLDER].as_str()?);
         let file = |name: &Value| name.as_str().map(|name| full(&called_in.join(name)));
         if let Some(script) = file(&call["script"]) {
-            return Some(Origin::Study { script, scenario: file(&call["scenario"]) });
+            return Some(Origin::Script { script, scenario: file(&call["scenario"]) });
         }
         if let Some(paths) = call["paths"].as_array() {
             return Some(Origin::Tests { paths: paths.iter().filter_map(file).collect() });
@@ -221,7 +221,7 @@ mod tests {
         let study =
             |script: &str, scenario: Option<&str>| Origin::of_script(&path(script), scenario.map(path).as_deref());
         let summary = |origin: &Origin| match origin {
-            Origin::Study { script, scenario } => {
+            Origin::Script { script, scenario } => {
                 let study = serde_json::json!({ "script": script, "scenario": scenario, "folder": ".." });
                 serde_json::json!({ "study": study }).to_string()
             }

@@ -6,7 +6,7 @@ use rhai::{Array, Dynamic, Engine, EvalAltResult, Map, NativeCallContext};
 use serde_json::{Value, json};
 
 use crate::evaluate::Evaluations;
-use crate::scenario_functions::Study;
+use crate::scenario_functions::ScenarioHandle;
 use crate::script::{HostResult, Options, Session, check_stop, from_json, number, refuse, refuse_key, to_json};
 use crate::sweep::table::Table;
 use crate::sweep::work::{Done, Stop, Work};
@@ -25,8 +25,8 @@ use uncertainty::statistics::Interval;
 use uncertainty::surrogate::{Family, HIGHEST_DEGREE, Surrogate};
 use uncertainty::{Kind, normal};
 
-/// A function of a study and options.
-type Function = fn(&Study, &Options<'_>, &Host<'_>) -> HostResult<Dynamic>;
+/// A function of a scenario and options.
+type Function = fn(&ScenarioHandle, &Options<'_>, &Host<'_>) -> HostResult<Dynamic>;
 
 /// Their names in scripts.
 const FUNCTIONS: [(&str, Function); 4] = [
@@ -40,9 +40,9 @@ const FUNCTIONS: [(&str, Function); 4] = [
 pub fn register(engine: &mut Engine, evaluations: &Arc<Evaluations>) {
     for (name, function) in FUNCTIONS {
         let evaluations = Arc::clone(evaluations);
-        engine.register_fn(name, move |context: NativeCallContext, study: &mut Study, options: Map| {
+        engine.register_fn(name, move |context: NativeCallContext, scenario: &mut ScenarioHandle, options: Map| {
             let host = Host { evaluations: &evaluations, session: Session::from_context(&context) };
-            function(study, &Options { of: name, map: &options }, &host)
+            function(scenario, &Options { of: name, map: &options }, &host)
         });
     }
     engine.register_fn("probit", |context: NativeCallContext, levels: Array, failed: Array| {
@@ -78,12 +78,12 @@ impl Host<'_> {
     }
 }
 
-/// The scenario of a study with what the options vary in place of what it varies itself.
-fn varied(study: &Study, options: &Options<'_>) -> HostResult<Document> {
-    let Some(keys) = options.map.get("vary") else { return Ok(study.document().clone()) };
-    let unset = study.document().find("variation").map(|_| Assignment::unset("variation", "vary"));
+/// The document of a scenario with what the options vary in place of what it varies itself.
+fn varied(scenario: &ScenarioHandle, options: &Options<'_>) -> HostResult<Document> {
+    let Some(keys) = options.map.get("vary") else { return Ok(scenario.document().clone()) };
+    let unset = scenario.document().find("variation").map(|_| Assignment::unset("variation", "vary"));
     let changes: Vec<Assignment> = unset.into_iter().chain([assignment("variation", &to_json(keys)?)?]).collect();
-    Ok(study.document().with(&changes))
+    Ok(scenario.document().with(&changes))
 }
 
 /// What varies in a scenario.
@@ -118,9 +118,9 @@ fn whole(options: &Options<'_>, name: &str, default: usize) -> HostResult<usize>
 }
 
 /// `sweep(scenario, #{ … })`.
-fn sweep(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+fn sweep(scenario: &ScenarioHandle, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "samples", "seed", "method"])?;
-    let sweep = Sweep::prepare(&designed(&varied(study, options)?, options)?, None).map_err(refused)?;
+    let sweep = Sweep::prepare(&designed(&varied(scenario, options)?, options)?, None).map_err(refused)?;
     let results = host.results(&sweep)?;
     let mut summary = results.summary(&sweep, 0.0);
     ["seconds", "engine_s", "scenario", "title", "droptower"].iter().for_each(|name| drop(summary.remove(*name)));
@@ -146,13 +146,13 @@ fn columns(table: &Table) -> Value {
 }
 
 /// `surrogate(scenario, #{ … })`.
-fn surrogate(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+fn surrogate(scenario: &ScenarioHandle, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "samples", "seed", "figures"])?;
     let samples = whole(options, "samples", 128)?;
     let seed = whole(options, "seed", 1)? as u64;
     let asked = options.map.get("figures").cloned().map(Dynamic::into_typed_array::<String>).transpose();
     let asked = asked.map_err(|found| refuse!("expected a list of names as figures, found {found}"))?;
-    let document = varied(study, options)?;
+    let document = varied(scenario, options)?;
     let variation = variation(&document)?;
     if !variation.is_independent() {
         return Err(refuse(
@@ -222,10 +222,10 @@ impl Limit {
 }
 
 /// `failure_probability(scenario, #{ … })`.
-fn failure_probability(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+fn failure_probability(scenario: &ScenarioHandle, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "figure", "above", "below", "method", "samples", "seed"])?;
     let limit = Limit::read(options)?;
-    let document = varied(study, options)?;
+    let document = varied(scenario, options)?;
     let inputs = variation(&document)?.factors.len();
     let seed = whole(options, "seed", 1)? as u64;
     let samples = whole(options, "samples", 500)?;
@@ -301,7 +301,7 @@ fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<
 }
 
 /// `staircase(scenario, #{ … })`.
-fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
+fn staircase(scenario: &ScenarioHandle, options: &Options<'_>, host: &Host<'_>) -> HostResult<Dynamic> {
     options.check(&["vary", "key", "start", "step", "specimens", "figure", "above", "below", "seed"])?;
     let key = options.value("key")?.to_string();
     let count = whole(options, "specimens", 20)?;
@@ -313,7 +313,7 @@ fn staircase(study: &Study, options: &Options<'_>, host: &Host<'_>) -> HostResul
     };
     let step = options.needed_number("step")?;
     let stairs = Staircase::new(options.needed_number("start")?, step).map_err(refuse)?;
-    let document = varied(study, options)?;
+    let document = varied(scenario, options)?;
     let factors = variation(&document)?.factors.len();
     let mut outcomes: Vec<Outcome> = vec![];
     for _ in 0..count {

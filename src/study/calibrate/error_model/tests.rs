@@ -273,6 +273,18 @@ fn parts() -> [Series; 2] {
     [of(|x| x), of(|x| x * x * x)]
 }
 
+/// A recording of the wave by a sensor of this noise: the law is off by the `error`, of this share of the wave.
+fn recorded(wave: &Series, (share, grows): (f64, Grows), error: &[f64], noise: f64, stream: &mut Stream) -> Series {
+    let level = root_mean_square(wave.values());
+    let own = wave.values().iter().zip(error);
+    wave.with_values(own.map(|(v, e)| v + share * grows.size(*v, level) * e + noise * stream.normal()).collect())
+}
+
+/// What is left of the wave's recording by the model with these shapes.
+fn left_of_wave<'m>(model: &'m ErrorModel, shapes: &'m [Shape]) -> Left<'m> {
+    Left { signals: vec![(model, model.scaled(&parts()[0]).unwrap())], weight: 1.0, shapes }
+}
+
 /// How several recordings with one error of the law count.
 #[derive(Clone, Copy, PartialEq)]
 enum Counted {
@@ -292,15 +304,12 @@ fn study(
     stream: &mut Stream,
 ) -> Study {
     let parts = parts();
-    let level = root_mean_square(parts[0].values());
     let error = process.draw(SAMPLES_OF_STUDY, stream);
-    let mut recorded = || {
-        let own = parts[0].values().iter().zip(&error);
-        let values: Vec<f64> =
-            own.map(|(v, e)| v + TRUE_SHARE * grows.size(*v, level) * e + 0.3 * stream.normal()).collect();
-        Recorded { series: Series::new(parts[0].time().to_vec(), values), class: None, contact: Matrix2::zeros() }
+    let mut one = || {
+        let series = recorded(&parts[0], (TRUE_SHARE, grows), &error, 0.3, stream);
+        Recorded { series, class: None, contact: Matrix2::zeros() }
     };
-    let all: Vec<Recorded> = (0..recordings).map(|_| recorded()).collect();
+    let all: Vec<Recorded> = (0..recordings).map(|_| one()).collect();
     let groups: Vec<&[Recorded]> = if counted == Counted::Pooled { vec![&all[..]] } else { all.chunks(1).collect() };
     let weight = if counted == Counted::Shared { 1.0 / recordings as f64 } else { 1.0 };
     let model = |own: &&[Recorded]| {
@@ -455,18 +464,11 @@ fn errors_of_any_length_smoothness_and_size_are_covered() {
 /// An error that is smooth is told from a rough one, and its size is found.
 #[test]
 fn the_likelier_shape_is_found() {
-    let series = parts();
-    let level = root_mean_square(series[0].values());
     for (process, is_smooth) in [(Process::Rough(0.1), false), (Process::Smooth(0.1), true)] {
         let mut stream = Stream::new(3);
         let error = process.draw(SAMPLES_OF_STUDY, &mut stream);
-        let values =
-            series[0].values().iter().zip(error).map(|(own, error)| own + 0.04 * level * error + 0.1 * stream.normal());
-        let measured = Series::new(series[0].time().to_vec(), values.collect::<Vec<_>>());
-        let model = model(&measured, ROUGH);
-        let shapes = Shape::all(None);
-        let left = Left { signals: vec![(&model, model.scaled(&series[0]).unwrap())], weight: 1.0, shapes: &shapes };
-        let (share, found) = most_likely(&[left], None);
+        let model = model(&recorded(&parts()[0], (0.04, Grows::Not), &error, 0.1, &mut stream), ROUGH);
+        let (share, found) = most_likely(&[left_of_wave(&model, &Shape::all(None))], None);
         assert!((0.015..0.09).contains(&share), "{share}");
         let Shape { order, rough, .. } = found[0].shape;
         assert_eq!(order != 1 && rough < 0.3, is_smooth, "{}", found[0].shape);
@@ -478,21 +480,15 @@ fn the_likelier_shape_is_found() {
 #[test]
 fn a_wrong_correlation_is_told_from_a_right_one() {
     const STUDIES: usize = 20;
-    let series = parts();
-    let level = root_mean_square(series[0].values());
     for process in [Process::Smooth(0.1), Process::Rough(0.1)] {
         let mut told = [0; 2];
         for seed in 0..STUDIES as u64 {
             let mut stream = Stream::new(seed);
             let error = process.draw(SAMPLES_OF_STUDY, &mut stream);
-            let own = series[0].values().iter().zip(error);
-            let values =
-                own.map(|(own, error)| own + TRUE_SHARE * level * error + 0.3 * stream.normal()).collect::<Vec<_>>();
-            let model = model(&Series::new(series[0].time().to_vec(), values), ROUGH);
+            let model = model(&recorded(&parts()[0], (TRUE_SHARE, Grows::Not), &error, 0.3, &mut stream), ROUGH);
             for (told, length) in told.iter_mut().zip([0.1, 0.02]) {
                 let shapes = Shape::all(Some(Correlation::Share(length)));
-                let signals = vec![(&model, model.scaled(&series[0]).unwrap())];
-                let [(_, gain)] = likelier(&[Left { signals, weight: 1.0, shapes: &shapes }])[..] else { panic!() };
+                let [(_, gain)] = likelier(&[left_of_wave(&model, &shapes)])[..] else { panic!() };
                 *told += usize::from(gain > 2.0);
             }
         }

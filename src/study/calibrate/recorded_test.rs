@@ -9,7 +9,7 @@ use super::error_model::{Correlation, ErrorModel, Noise, Recorded, Shape, Spectr
 use super::outcome::{self, Outcomes};
 use super::pulled;
 use crate::post::Run;
-use crate::scenario_functions::{Scenarios, Study, changes_of};
+use crate::scenario_functions::{ScenarioHandle, Scenarios, changes_of};
 use crate::script::{
     Compared, HostResult, Options, Session, cause, number, one_or_several, refuse, refuse_within, texts,
 };
@@ -26,7 +26,7 @@ pub(super) struct Test {
     /// Its name in results: that of the scenario, unless given.
     pub(super) name: String,
     /// The scenario, which runs as long as its recordings are compared.
-    pub(super) study: Study,
+    pub(super) study: ScenarioHandle,
     /// Names of parameters that have a value of their own here.
     pub(super) own: Vec<String>,
     /// What its squared residuals are multiplied by.
@@ -92,7 +92,7 @@ impl Test {
     /// The test of a scenario with these options.
     fn of_scenario(
         name: String,
-        study: Study,
+        study: ScenarioHandle,
         options: &Options<'_>,
         tolerances: Tolerances,
         session: &Session,
@@ -135,7 +135,7 @@ impl Test {
             return Ok(Test { signals: vec![signal], ..self });
         }
         let mut recorded: Vec<Vec<Recorded>> = vec![Vec::new(); columns.len()];
-        let mut longest: Option<(f64, Study)> = None;
+        let mut longest: Option<(f64, ScenarioHandle)> = None;
         for recording in &recordings {
             let (own, end, found) = reading.recording(&self.study, recording, &columns, session)?;
             recorded.iter_mut().zip(found).for_each(|(all, one)| all.push(one));
@@ -152,7 +152,7 @@ impl Test {
     }
 
     /// Its signals as the scenario gives them, by a run unless it is pulled.
-    pub(super) fn simulated(&self, study: &Study, session: &Session) -> HostResult<Vec<Series>> {
+    pub(super) fn simulated(&self, study: &ScenarioHandle, session: &Session) -> HostResult<Vec<Series>> {
         let Some(across) = self.pull else {
             let run = study.simulate(session)?;
             return self.signals.iter().map(|signal| signal.simulated(&run)).collect();
@@ -188,11 +188,11 @@ impl Reading<'_> {
     /// The signals of one recording, the end of their windows, and the scenario that is compared with it.
     fn recording(
         &self,
-        study: &Study,
+        study: &ScenarioHandle,
         recording: &Dynamic,
         columns: &[&'static Column],
         session: &Session,
-    ) -> HostResult<(Study, f64, Vec<Recorded>)> {
+    ) -> HostResult<(ScenarioHandle, f64, Vec<Recorded>)> {
         let is_impact = matches!(study.model().loading, Loading::Impact(_)) && self.over.is_none();
         let of_scenario = |signals: Vec<Recorded>| (study.clone(), end_of(&signals), signals);
         if let Some(map) = recording.read_lock::<Map>() {
@@ -488,13 +488,13 @@ fn over_abscissa(abscissa: &Series, values: &Series) -> Series {
 }
 
 /// The signals that a test is compared by.
-fn signals_of(map: &Map, study: &Study) -> HostResult<Vec<&'static Column>> {
+fn signals_of(map: &Map, study: &ScenarioHandle) -> HostResult<Vec<&'static Column>> {
     let Some(given) = map.get("compare") else { return Ok(vec![usual_signal(study)]) };
     texts(given, "compare")?.iter().map(|name| found_column(name).map_err(refuse)).collect()
 }
 
 /// What a test is compared over; none for time.
-fn abscissa_of(map: &Map, study: &Study) -> HostResult<Option<&'static Column>> {
+fn abscissa_of(map: &Map, study: &ScenarioHandle) -> HostResult<Option<&'static Column>> {
     match map.get("over").map(Dynamic::to_string).as_deref() {
         None => Ok(usual_abscissa(study)),
         Some("time") => Ok(None),
@@ -503,7 +503,7 @@ fn abscissa_of(map: &Map, study: &Study) -> HostResult<Option<&'static Column>> 
 }
 
 /// The signals of a run as a test with these options would compare them, by their names.
-pub(super) fn as_recorded(map: &Map, study: &Study, run: &Run) -> HostResult<Map> {
+pub(super) fn as_recorded(map: &Map, study: &ScenarioHandle, run: &Run) -> HostResult<Map> {
     /// Share of the travel that counts: with other parameters, film may break a little earlier.
     const BEFORE_BREAK: f64 = 0.9;
     let over = abscissa_of(map, study)?;
@@ -523,7 +523,7 @@ pub(super) fn as_recorded(map: &Map, study: &Study, run: &Run) -> HostResult<Map
 }
 
 /// The signal that a test of this loading is usually compared by.
-fn usual_signal(study: &Study) -> &'static Column {
+fn usual_signal(study: &ScenarioHandle) -> &'static Column {
     match &study.model().loading {
         Loading::Impact(_) => &column::ACCELERATION_FILTERED,
         Loading::Stretch(_) | Loading::Indent(_) => &column::FORCE,
@@ -532,7 +532,7 @@ fn usual_signal(study: &Study) -> &'static Column {
 }
 
 /// The abscissa of a test of this loading; none for time.
-fn usual_abscissa(study: &Study) -> Option<&'static Column> {
+fn usual_abscissa(study: &ScenarioHandle) -> Option<&'static Column> {
     match &study.model().loading {
         Loading::Stretch(_) => Some(&column::DISPLACEMENT),
         Loading::Indent(_) => Some(&column::DEPTH),
