@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 mod args;
+mod batch;
 mod check;
 mod checkpoint;
 mod compare;
@@ -9,7 +10,6 @@ mod deck;
 mod explain;
 mod export;
 mod failure;
-mod farm;
 mod fit;
 mod folder;
 mod list;
@@ -30,7 +30,7 @@ mod signal;
 mod store;
 mod sweep;
 mod terminal;
-mod test;
+mod test_command;
 mod view;
 mod watch;
 
@@ -115,7 +115,7 @@ enum Command {
     /// Explain a key (unit, range, default), a script function or the code of a finding
     Explain(explain::ExplainArgs),
     /// Compare runs with what they must give: folders with scenario.toml and expect.toml
-    Test(test::TestArgs),
+    Test(test_command::TestArgs),
     /// Compare runs with the first of them: scenarios, figures and signals
     Compare(compare::CompareArgs),
     /// Run a scenario again whenever it, or a file that it names, is saved
@@ -311,7 +311,7 @@ fn run_command(command: &Command, shared: &Shared) -> Result<(), Failure> {
         Command::Explain(args) => explain::run(args, shared),
         Command::New(args) => new::run(args, shared),
         Command::Compare(args) => compare::run(args, shared),
-        Command::Test(args) => test::run(args, shared),
+        Command::Test(args) => test_command::run(args, shared),
         Command::List(args) => list::run(args, shared),
         Command::View(args) => view::run(args, shared),
         Command::Picture(args) => picture::run(args, shared),

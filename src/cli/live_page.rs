@@ -1,4 +1,4 @@
-//! `progress.html`: the page of a study while it runs, written beside its results.
+//! `progress.html`: the page of a batch of runs while they run, written beside its results.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -24,7 +24,7 @@ const EVERY: Duration = Duration::from_secs(2);
 /// Time after which the page is written without news: whoever reads it learns that the process lives.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// The page of a study. Cheap to clone.
+/// The page of a batch. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct LivePage(Arc<Parts>);
 
@@ -49,7 +49,7 @@ struct Written {
 }
 
 impl LivePage {
-    /// The page of a study of this name in `folder`. Nothing is written before it [begins](LivePage::begin), or runs or
+    /// The page of a batch of this name in `folder`. Nothing is written before it [begins](LivePage::begin), or runs or
     /// trials are asked for; `tell` prints where it is then.
     pub(super) fn new(name: &str, folder: ProgressFolder, tell: impl Fn(&str) + Send + Sync + 'static) -> LivePage {
         let call = StudyCall {
@@ -120,7 +120,7 @@ impl LivePage {
         self.check(written, page);
     }
 
-    /// The page is no result: that it cannot be written is told once, and the study goes on.
+    /// The page is no result: that it cannot be written is told once, and the batch goes on.
     fn check(&self, written: &mut Written, done: io::Result<()>) {
         let Err(error) = done else { return };
         if !std::mem::replace(&mut written.has_failed, true) {
@@ -133,7 +133,7 @@ impl LivePage {
         self.progress().runs(self.elapsed())
     }
 
-    /// Time since the study began, s.
+    /// Time since the batch began, s.
     pub(super) fn elapsed(&self) -> f64 {
         self.0.began.elapsed().as_secs_f64()
     }
@@ -192,12 +192,12 @@ impl LivePage {
         }
     }
 
-    /// Ends the page of a study that was stopped. Of several ends the first counts.
+    /// Ends the page of a batch that was stopped. Of several ends the first counts.
     pub(super) fn stopped(&self) {
         self.end(StudyState::Stopped);
     }
 
-    /// Ends the page of a study without results; one that had asked for nothing leaves none.
+    /// Ends the page of a batch without results; one that had asked for nothing leaves none.
     pub(super) fn failed(&self, failure: &Failure) {
         if !self.progress().has_begun() {
             return self.discard();
@@ -217,7 +217,7 @@ impl LivePage {
         }
     }
 
-    /// Makes the page lead to the results, which are stored; one of a study that asked for nothing is removed.
+    /// Makes the page lead to the results, which are stored; one of a batch that asked for nothing is removed.
     pub(super) fn ended(&self, name: &str) {
         if self.has_begun() && !self.progress().has_begun() {
             return self.discard();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_study_that_asks_for_nothing_leaves_no_page() {
+    fn a_batch_that_asks_for_nothing_leaves_no_page() {
         let root = tempfile::tempdir().unwrap();
         let ends: [fn(&LivePage); 2] = [|page| page.ended("a"), |page| page.failed(&Failure::quiet())];
         for end in ends {

@@ -13,7 +13,7 @@ use crate::folder::{self, Contents, ResultArgs};
 use crate::live::{Show, Viewer};
 use crate::progress::{Bar, Forecast};
 use crate::scenarios::{Checked, Selection};
-use crate::{Failure, Shared, farm, print_json, print_unless_quiet};
+use crate::{Failure, Shared, batch, print_json, print_unless_quiet};
 use base::diagnostic::{Diagnostic, printable};
 use base::file;
 use base::number::duration;
@@ -103,8 +103,8 @@ pub(super) fn run(args: &RunArgs, shared: &Shared) -> Result<(), Failure> {
         return Err(mistake.hint(hint).into());
     }
     let stop = Cancellation::default();
-    let (viewer, Batch { jobs, complete }) = both(args.viewer.viewer(), batch(args, &stop))?;
-    farm::cancel_on_interrupt(stop)?;
+    let (viewer, Runs { jobs, complete }) = both(args.viewer.viewer(), runs(args, &stop))?;
+    batch::cancel_on_interrupt(stop)?;
     let bar = Bar::new(jobs.len(), shared.quiet);
     complete.iter().for_each(|left| bar.report(&left.warning));
     let warnings = jobs.iter().filter_map(|job| job.writer.as_ref()).flat_map(|writer| &writer.warnings);
@@ -158,7 +158,7 @@ pub(super) fn one(
 }
 
 /// The runs of a command.
-struct Batch {
+struct Runs {
     jobs: Vec<Job>,
     /// The runs that `--resume` need not repeat.
     complete: Vec<Complete>,
@@ -172,7 +172,7 @@ struct Complete {
 }
 
 /// All scenarios checked, each with the folder of its results, or all their mistakes.
-fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
+fn runs(args: &RunArgs, stop: &Cancellation) -> Result<Runs, Failure> {
     let every = args.checkpoint_every.as_deref().map(checkpoint::interval).transpose();
     let width = args.width.map(check_width).transpose();
     let ((every, width), scenarios) = both(both(every, width), args.selection.checked())?;
@@ -209,7 +209,7 @@ fn batch(args: &RunArgs, stop: &Cancellation) -> Result<Batch, Failure> {
             writer.default_interval(every, checked.model.run_time());
         }
     }
-    Ok(Batch { jobs, complete })
+    Ok(Runs { jobs, complete })
 }
 
 /// The figures in the folder `place`, where it holds the results of the scenario and of the files that it reads as they are now.

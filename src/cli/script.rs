@@ -11,8 +11,8 @@ use rhai::{Dynamic, Engine, Scope};
 use serde_json::{Map, Value, json};
 
 use crate::args::{Changes, Given};
+use crate::batch::{self, BatchArgs, Ends};
 use crate::failure::{ExitStatus, both, reading, refuse, script};
-use crate::farm::{self, Ends, StudyArgs};
 use crate::folder::{self, ResultPlace};
 use crate::live_page::LivePage;
 use crate::shipped::{self, Named};
@@ -53,13 +53,13 @@ pub(crate) struct ScriptArgs {
     #[command(flatten)]
     pub given: Given,
     #[command(flatten)]
-    pub study: StudyArgs,
-    /// The file of a calibration, which stands in the place of the script
+    pub batch: BatchArgs,
+    /// The study that is calibrated in the place of a script
     #[arg(skip)]
-    pub file: Option<Arc<StudyFile>>,
+    pub study: Option<Arc<StudyFile>>,
 }
 
-/// Names that belong to a study's summary.
+/// Names that belong to the summary of a script.
 const RESERVED: [&str; 10] =
     ["script", "droptower", "study", "answer", "warning", "warnings", "findings", "tables", "plots", "files"];
 
@@ -67,7 +67,7 @@ const RESERVED: [&str; 10] =
 struct ScriptRun {
     /// The script's name.
     name: String,
-    /// Script, scenario, changes and arguments, which run the study again.
+    /// Script, scenario, changes and arguments, which run it again.
     call: Map<String, Value>,
     /// The script and its modules.
     program: Script,
@@ -87,8 +87,8 @@ impl ScriptArgs {
     /// A fault of the script, in a study at its place there.
     fn fault(&self, fault: &Fault) -> Diagnostic {
         let own = script(fault);
-        match self.file.as_ref().filter(|_| fault.file == self.path()) {
-            Some(file) => Diagnostic { span: None, ..own }.at(&file.place()),
+        match self.study.as_ref().filter(|_| fault.file == self.path()) {
+            Some(study) => Diagnostic { span: None, ..own }.at(&study.place()),
             None => own,
         }
     }
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     if args.list {
         return shipped::list(shared);
     }
-    if args.file.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
+    if args.study.is_none() && args.path().extension().is_some_and(|extension| extension == "toml") {
         let mistake = Diagnostic::new(format!("{} is no script", shown_path(args.path())));
         let path = shown_path(args.path());
         let hint = format!("`droptower run {path}` runs a scenario, `droptower calibrate {path}` a study");
@@ -110,8 +110,8 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
     }
     let name = args.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let origin = Origin::of_script(args.path(), args.given.scenario.as_deref().map(Path::new));
-    let place = args.study.results.place(&name, origin)?;
-    let (share, deadline) = both(args.study.share(), args.study.deadline(begin))?;
+    let place = args.batch.results.place(&name, origin)?;
+    let (share, deadline) = both(args.batch.share(), args.batch.deadline(begin))?;
     if args.check {
         return check(args, &place.folder, shared);
     }
@@ -119,19 +119,19 @@ pub(crate) fn run(args: &ScriptArgs, shared: &Shared) -> Result<(), Failure> {
         let quiet = shared.quiet;
         move |line| tell(&format!("note: {line}"), quiet)
     });
-    let evaluations = Arc::new(args.study.evaluations(share, &page));
-    let study = Study { args, shared, name, place, page, evaluations, deadline };
-    study.complete().inspect_err(|failure| study.page.failed(failure))
+    let evaluations = Arc::new(args.batch.evaluations(share, &page));
+    let task = Task { args, shared, name, place, page, evaluations, deadline };
+    task.complete().inspect_err(|failure| task.page.failed(failure))
 }
 
 /// Finds mistakes without running anything; no store of evaluations is opened.
 fn check(args: &ScriptArgs, place: &Path, shared: &Shared) -> Result<(), Failure> {
     let (host, collector) = (SearchHost::new(|_| {}), OutputCollector::new(Vec::new()));
     let changes = args.given.changes.assignments()?;
-    if let Some(file) = &args.file {
-        file.check(&Scenarios { changes, evaluations: None })?;
+    if let Some(study) = &args.study {
+        study.check(&Scenarios { changes, evaluations: None })?;
     } else {
-        let engine = engine(changes, &Arc::new(Evaluations::new(&args.study.store)), &host, &collector, None);
+        let engine = engine(changes, &Arc::new(Evaluations::new(&args.batch.store)), &host, &collector, None);
         compiled(args, &engine, place)?;
     }
     let figures = json!({ "script": shown_path(args.path()), "mistakes": 0 });
@@ -149,7 +149,7 @@ fn tell(line: &str, quiet: bool) {
 const RUNNING: [&str; 5] = ["simulate", "minimize", "sweep", "threshold", "calibrate"];
 
 /// A script that is called: where its records and results go, and what shows how far it is.
-struct Study<'a> {
+struct Task<'a> {
     args: &'a ScriptArgs,
     shared: &'a Shared,
     name: String,
@@ -159,7 +159,7 @@ struct Study<'a> {
     deadline: Option<Instant>,
 }
 
-impl Study<'_> {
+impl Task<'_> {
     /// Runs the script, stores its results and prints them.
     fn complete(&self) -> Result<(), Failure> {
         let (run, is_stopped) = self.run()?;
@@ -184,7 +184,7 @@ impl Study<'_> {
         })
     }
 
-    /// The answer of a process that computed a part of a study.
+    /// The answer of a process that computed a part of the runs.
     fn part(&self) -> Result<(), Failure> {
         let [cache_hits, computed] = self.evaluations.counts();
         let script = shown_path(self.args.path());
@@ -192,7 +192,7 @@ impl Study<'_> {
         print_figures(self.shared, &figures, || format!("{script}: {computed} runs computed here"))
     }
 
-    /// A study that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
+    /// A script that was stopped by a signal or its deadline: one of several processes has done its work, another one has not,
     /// and leaves what it knows.
     fn unfinished(&self, run: &ScriptRun) -> Result<(), Failure> {
         if self.evaluations.share() != Share::WHOLE {
@@ -213,7 +213,7 @@ impl Study<'_> {
 
     /// Runs the script; its messages are printed at once. With it, whether it was stopped.
     fn run(&self) -> Result<(ScriptRun, bool), Failure> {
-        let Study { args, place, page, evaluations, .. } = self;
+        let Task { args, place, page, evaluations, .. } = self;
         let quiet = self.shared.quiet;
         let print_line = move |line: &str| tell(line, quiet);
         let collector = OutputCollector::new(RESERVED.map(String::from).into());
@@ -234,7 +234,7 @@ impl Study<'_> {
                 SearchEvent::Begun(_) | SearchEvent::Trial(..) | SearchEvent::Ended(_) => {}
             }
         });
-        let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, args.file.as_ref());
+        let mut engine = engine(args.given.changes.assignments()?, evaluations, &host, &collector, args.study.as_ref());
         let Compiled { program, scope, call } = compiled(args, &engine, &place.folder)?;
         let replaced = replaced(&place.folder, &call).filter(|_| !place.force && evaluations.share() == Share::WHOLE);
         replaced.iter().for_each(|note| print_line(&format!("note: {note}")));
@@ -248,7 +248,7 @@ impl Study<'_> {
         stop_beyond(&mut engine, Limits::STUDY, &given_up);
         let ends = || Ends { stop: stop.clone(), given_up: given_up.clone() };
         let told = page.clone();
-        farm::end_on_signals(ends(), move || {
+        batch::end_on_signals(ends(), move || {
             tell("note: stops once what runs has ended; Ctrl-C again gives it up", quiet);
             told.stopping();
         })?;
@@ -257,7 +257,7 @@ impl Study<'_> {
             page.begin();
         }
         let run = || page.during(|| program.run(&engine, scope));
-        let ran = farm::watched(evaluations, &given_up, self.deadline, run);
+        let ran = batch::watched(evaluations, &given_up, self.deadline, run);
         let (is_stopped, failure) = match ran {
             Err(_) if ends().is_over() => (true, None),
             Err(fault) if collector.output().tables.is_empty() => return Err(stopped(fault)),
@@ -269,7 +269,7 @@ impl Study<'_> {
             let all = cache_hits + computed;
             print_line(&format!(
                 "note: {cache_hits} of {all} runs were computed before ({})",
-                shown_path(&args.study.store)
+                shown_path(&args.batch.store)
             ));
         }
         let virtual_recordings = Warning::virtual_recordings(Session::of_engine(&engine).virtual_recordings());
@@ -293,7 +293,7 @@ impl Study<'_> {
     fn store(&self, run: &ScriptRun) -> Result<(PathBuf, String), Failure> {
         let ScriptRun { name, call, program, output, .. } = run;
         let modules: Vec<(&str, &str)> = program.modules().map(|(name, source)| (name, &*source.text)).collect();
-        let script = self.args.file.as_ref().map_or_else(|| program.text(), |file| &file.source.text);
+        let script = self.args.study.as_ref().map_or_else(|| program.text(), |study| &study.source.text);
         let page = report::study_page(&StudyPage { name, call, output, script, modules: &modules });
         let publish = if run.failure.is_some() { Draft::publish_failed } else { Draft::publish };
         self.place.store(&summary(run), |files| files.script_output(output), page, publish)
@@ -336,7 +336,7 @@ fn compiled(args: &ScriptArgs, engine: &Engine, place: &Path) -> Result<Compiled
     // The arguments are checked against what the script declares, so its text comes first.
     scope.push_constant("args", Arguments::default());
     let of_study = || Named { path: args.path().to_owned(), text: Some(Cow::Borrowed(StudyFile::SCRIPT)) };
-    let program = match args.file.as_ref().map_or_else(|| shipped::named(args.path()), |_| Ok(of_study()))? {
+    let program = match args.study.as_ref().map_or_else(|| shipped::named(args.path()), |_| Ok(of_study()))? {
         Named { path, text: Some(text) } => Script::compile(engine, &scope, &path, &text)
             .map_err(|faults| faults.iter().map(|fault| args.fault(fault)).collect::<Vec<Diagnostic>>())?,
         Named { path, text: None } => Script::read(engine, &scope, &path).map_err(|error| reading(&error))?,
@@ -454,14 +454,14 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     check: bool,
     #[command(flatten)]
-    study: StudyArgs,
+    batch: BatchArgs,
 }
 
 pub(crate) fn calibrate(args: &CalibrateArgs, shared: &Shared) -> Result<(), Failure> {
-    let file = Some(Arc::new(StudyFile::read(&args.path)?));
-    let CalibrateArgs { path, changes, check, study } = args.clone();
+    let study = Some(Arc::new(StudyFile::read(&args.path)?));
+    let CalibrateArgs { path, changes, check, batch } = args.clone();
     let given = Given { scenario: None, arg: Vec::new(), changes };
-    run(&ScriptArgs { path: Some(path), help: false, list: false, check, given, study, file }, shared)
+    run(&ScriptArgs { path: Some(path), help: false, list: false, check, given, batch, study }, shared)
 }
 
 #[cfg(test)]

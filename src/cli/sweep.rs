@@ -8,8 +8,8 @@ use clap::Args;
 use serde_json::json;
 
 use crate::args::Changes;
+use crate::batch::{self, BatchArgs, Ends};
 use crate::failure::{both, hinted, preparing, refuse};
-use crate::farm::{self, Ends, StudyArgs};
 use crate::folder::{self, Files, ResultPlace};
 use crate::live_page::LivePage;
 use crate::progress::SweepBar;
@@ -45,7 +45,7 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "FIGURE")]
     pub figure: Option<String>,
     #[command(flatten)]
-    pub study: StudyArgs,
+    pub batch: BatchArgs,
     /// Compute nothing: gather what all processes have done
     #[arg(long, conflicts_with_all = ["shard", "stop_after"])]
     pub merge: bool,
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
     let task = task(args, shared)?;
     let page = &task.page;
     let (ends, told) = (task.ends(), page.clone());
-    farm::end_on_signals(ends, move || told.stopping())?;
+    batch::end_on_signals(ends, move || told.stopping())?;
     let swept = page.during(|| task.swept());
     if let Err(failure) = &swept {
         // No more than the first end of a page counts: results may be stored, and runs have failed.
@@ -82,20 +82,20 @@ pub(crate) fn run(args: &SweepArgs, shared: &Shared) -> Result<(), Failure> {
 fn task<'a>(args: &'a SweepArgs, shared: &'a Shared) -> Result<Task<'a>, Failure> {
     let begin = Instant::now();
     let ((keep, share), (deadline, assignments)) =
-        both(both(keep(args), args.study.share()), both(args.study.deadline(begin), args.changes.assignments()))?;
+        both(both(keep(args), args.batch.share()), both(args.batch.deadline(begin), args.changes.assignments()))?;
     let document = Document::read(&args.scenario)?.with(&assignments);
     let samples = args.samples.map(|samples| samples as usize);
     let sweep = Sweep::prepare(&document, samples).map_err(|error| refused(&error, &document))?;
     check_changes(args, &sweep)?;
     keep.check(sweep.len())?;
     let name = &sweep.model().name;
-    let place = args.study.results.place(&format!("{name}.sweep"), Origin::of_sweep(&args.scenario))?;
+    let place = args.batch.results.place(&format!("{name}.sweep"), Origin::of_sweep(&args.scenario))?;
     let replaced = folder::replaced_scenario(&place.folder, "a sweep", &document.resolved());
     if let Some(note) = replaced.filter(|_| !place.force && share == Share::WHOLE) {
         tell(["replaces", &place.folder.display().to_string(), &note], shared.json, shared.quiet);
     }
     let page = page(name, ProgressFolder::new(&place.folder, share), shared);
-    let evaluations = args.study.evaluations(share, &page);
+    let evaluations = args.batch.evaluations(share, &page);
     let stop = Stop { deadline, ..Stop::default() };
     Ok(Task { args, shared, begin, sweep, document, evaluations, place, keep, stop, page })
 }

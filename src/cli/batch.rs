@@ -1,4 +1,4 @@
-//! A command that computes many runs, alone or with other processes: its records, its part, its end.
+//! A batch of runs, those of a sweep, a script or a study, computed alone or with other processes: its records, its part, its end.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Where records and results of many runs go, the part of them that one of several processes takes, and when it stops.
 #[derive(Clone, Debug, Args)]
-pub(super) struct StudyArgs {
+pub(super) struct BatchArgs {
     #[command(flatten)]
     pub results: ResultArgs,
     /// Take this part of the runs first, then what no other process has begun: 3/16
@@ -35,7 +35,7 @@ pub(super) struct StudyArgs {
     pub store: PathBuf,
 }
 
-impl StudyArgs {
+impl BatchArgs {
     /// The records of the runs, of which this process takes `share` and `page` shows the progress.
     pub(super) fn evaluations(&self, share: Share, page: &LivePage) -> Evaluations {
         let page = page.clone();
@@ -94,64 +94,45 @@ impl Ends {
 }
 
 /// Handles signals from now on. `told` is called once what has begun is to end.
-#[cfg(unix)]
 pub(super) fn end_on_signals(ends: Ends, told: impl Fn() + Send + 'static) -> Result<(), Failure> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let found = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]);
-    let mut found = found.map_err(|error| unhandled(&error))?;
-    let watch = move || {
-        for signal in found.forever() {
-            let was_over = ends.is_over();
-            if ends.take(signal == SIGINT) {
-                std::process::exit(ExitStatus::OutputFailed as i32);
-            }
-            if !was_over && !ends.given_up.is_cancelled() {
-                told();
-            }
-        }
-    };
-    let started = std::thread::Builder::new().name("signals".into()).spawn(watch);
-    started.map(drop).map_err(|error| unhandled(&error))
-}
-
-/// Handles Ctrl-C from now on. `told` is called once what has begun is to end.
-#[cfg(not(unix))]
-pub(super) fn end_on_signals(ends: Ends, told: impl Fn() + Send + 'static) -> Result<(), Failure> {
-    let handle = move || {
+    on_signals(true, move |is_interrupt| {
         let was_over = ends.is_over();
-        if ends.take(true) {
+        if ends.take(is_interrupt) {
             std::process::exit(ExitStatus::OutputFailed as i32);
         }
-        if !was_over {
+        if !was_over && !ends.given_up.is_cancelled() {
             told();
         }
-    };
-    ctrlc::set_handler(handle).map_err(|error| unhandled(&error))
+    })
 }
 
 /// Cancels `work` at the first Ctrl-C from now on; a second one ends the program.
 pub(super) fn cancel_on_interrupt(work: Cancellation) -> Result<(), Failure> {
-    let handle = move || {
+    on_signals(false, move |_| {
         if work.is_cancelled() {
             std::process::exit(ExitStatus::OutputFailed as i32);
         }
         work.cancel();
-    };
-    on_interrupt(handle)
+    })
 }
 
+/// Calls `handle` at each Ctrl-C from now on, and with `others` at each other signal that would end the program; it is told
+/// whether it is Ctrl-C.
 #[cfg(unix)]
-fn on_interrupt(handle: impl Fn() + Send + 'static) -> Result<(), Failure> {
-    let found = signal_hook::iterator::Signals::new([signal_hook::consts::SIGINT]);
+fn on_signals(others: bool, handle: impl Fn(bool) + Send + 'static) -> Result<(), Failure> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let all = [SIGINT, SIGTERM, SIGHUP];
+    let found = signal_hook::iterator::Signals::new(if others { &all[..] } else { &all[..1] });
     let mut found = found.map_err(|error| unhandled(&error))?;
-    let watch = move || found.forever().for_each(|_| handle());
+    let watch = move || found.forever().for_each(|signal| handle(signal == SIGINT));
     let started = std::thread::Builder::new().name("signals".into()).spawn(watch);
     started.map(drop).map_err(|error| unhandled(&error))
 }
 
+/// Calls `handle` at each Ctrl-C from now on, which is the only signal here.
 #[cfg(not(unix))]
-fn on_interrupt(handle: impl Fn() + Send + 'static) -> Result<(), Failure> {
-    ctrlc::set_handler(handle).map_err(|error| unhandled(&error))
+fn on_signals(_: bool, handle: impl Fn(bool) + Send + 'static) -> Result<(), Failure> {
+    ctrlc::set_handler(move || handle(true)).map_err(|error| unhandled(&error))
 }
 
 fn unhandled(error: &impl std::fmt::Display) -> Failure {

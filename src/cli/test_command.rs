@@ -21,7 +21,7 @@ use base::file;
 use base::number::time_taken;
 use lab::signal::{Recording, csv};
 use scene::expectation::{Difference, Expectations, Given, Recorded, Verdict};
-use scene::simulate::{self, Cancellation, RunError, RunOptions};
+use scene::simulate::{self, RunError, RunOptions};
 use study::post::{Results, failure_message};
 use study::store::{self, Draft, Origin};
 
@@ -113,7 +113,7 @@ fn verdict(case: &Case, args: &TestArgs, shared: &Shared) -> Result<Verdict, Fai
 /// The results of a run of the case, or why there are none.
 fn results(case: &Case) -> Result<Results, String> {
     let Checked { model, plan, .. } = &case.checked;
-    let options = RunOptions { cancellation: Cancellation::default(), ..RunOptions::default() };
+    let options = RunOptions::default();
     let outcome = simulate::run_with(model, options, &mut |_| {}).map_err(|error| match error {
         RunError::Failure(failure) => failure_message(&failure, model),
         error => error.to_string(),
