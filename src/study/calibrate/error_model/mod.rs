@@ -221,9 +221,10 @@ impl Recorded {
     }
 
     /// The shortest bins whose noise is independent, of which neighbours share the sample between them, where a mean is over one
-    /// of so many: their number, and what the mean square of third differences over them is multiplied by.
+    /// of so many: their number, and what the mean square of third differences over them is multiplied by. A short recording has
+    /// shorter ones: fewer have no third differences.
     fn fine(&self, bins: f64) -> (usize, f64) {
-        let fine = ((self.series.len() - 1) / SAMPLES).min(self.independent()).max(bins as usize);
+        let fine = ((self.series.len() - 1) / SAMPLES).min(self.independent()).max(bins as usize).max(FEWEST_BINS);
         let intervals = (self.series.len() - 1) as f64 / fine as f64;
         (fine, of_intervals(intervals) * bins / fine as f64)
     }

@@ -58,6 +58,18 @@ fn the_noise_of_a_smooth_signal_is_found_and_that_of_an_exact_one_is_the_least()
     assert!((four / found / 0.5 - 1.0).abs() < 0.15, "{four} for {found}");
 }
 
+/// Twelve samples with noise, over 2.2 % of the window, beside a recording of all of it: their bins have noise, too.
+#[test]
+fn a_short_recording_has_noise() {
+    let mut stream = Stream::new(5);
+    let time: Vec<f64> = (0..12).map(|sample| 0.05 + 2e-4 * f64::from(sample)).collect();
+    let value = |t: &f64| 140.0 * (std::f64::consts::PI * t / 0.1).sin() + 1.5 * stream.normal();
+    let short = Series::new(time.clone(), time.iter().map(value).collect::<Vec<_>>());
+    let both = of(&[&half_wave(1.5, 3), &short], Noise::FromRecording, ROUGH).unwrap();
+    assert_eq!(both.counts[59..63], [1.0, 2.0, 2.0, 1.0]);
+    assert!(both.recorded.iter().all(|noise| (0.2..2.0).contains(noise)), "{:?}", both.recorded);
+}
+
 /// Covariances of means over bins of an exponential correlation have a closed form.
 #[test]
 fn means_of_an_exponential_error_have_their_closed_covariance() {
