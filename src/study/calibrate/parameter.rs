@@ -26,7 +26,7 @@ pub(super) struct Parameter {
     pub(super) start: f64,
     /// Its bounds.
     pub(super) within: [f64; 2],
-    /// Whether its uncertainty, and the prior without a distribution, are along its logarithm.
+    /// Whether the search, its uncertainty, and the prior without a distribution are along its logarithm.
     pub(super) is_logarithmic: bool,
     /// Distribution before the tests; uniform over the bounds, along the logarithm of a logarithmic one, where there is
     /// none.

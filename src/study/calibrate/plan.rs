@@ -369,7 +369,8 @@ impl Plan {
         let names: Vec<String> = self.unknowns.iter().map(|unknown| unknown.name.clone()).collect();
         let ends: Vec<[f64; 2]> = self.unknowns.iter().map(|unknown| self.parameter_of(unknown).within).collect();
         let side = |side: usize| Some(ends.iter().map(|ends| ends[side]).collect());
-        let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?;
+        let is_logarithmic = self.unknowns.iter().map(|unknown| self.parameter_of(unknown).is_logarithmic).collect();
+        let bounds = Bounds::new(&names, side(0), side(1)).map_err(refuse)?.along_logarithms(is_logarithmic);
         let own = self.search.clone();
         let [tol_x, tol_f] = if is_last { [own.tol_x, own.tol_f] } else { [own.tol_x.max(1e-2), own.tol_f.max(1e-3)] };
         let starts = match is_first && self.starts > 1 {

@@ -7,6 +7,8 @@
 //! - both bounds: x = lo + (hi − lo)(1 + sin u)/2
 //! - lower only: x = lo − 1 + √(u² + 1)
 //! - upper only: x = hi + 1 − √(u² + 1)
+//!
+//! Of an unknown with a logarithm as its coordinate, ln x, ln lo and ln hi stand in these.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -169,7 +171,7 @@ impl Search {
     }
 }
 
-/// Share of the box, or of the value, by which a start on a bound is moved inwards for the transform, whose derivative
+/// Share of the box, along its coordinate, or of the value, by which a start on a bound is moved inwards for the transform, whose derivative
 /// vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
@@ -186,6 +188,8 @@ const CENTRAL: f64 = 0.3;
 pub struct Bounds {
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// Unknowns whose coordinate, along which transform and distances are, is the logarithm.
+    is_logarithmic: Vec<bool>,
 }
 
 /// A side of an interval.
@@ -210,7 +214,8 @@ impl std::fmt::Display for Side {
 impl Bounds {
     /// No bounds for `unknowns`.
     pub fn none(unknowns: usize) -> Bounds {
-        Bounds { lower: vec![f64::NEG_INFINITY; unknowns], upper: vec![f64::INFINITY; unknowns] }
+        let [lower, upper] = [f64::NEG_INFINITY, f64::INFINITY].map(|end| vec![end; unknowns]);
+        Bounds { lower, upper, is_logarithmic: vec![false; unknowns] }
     }
 
     /// Bounds of the unknowns with these `names`; `None` leaves a side unbounded.
@@ -220,7 +225,7 @@ impl Bounds {
     pub fn new(names: &[String], lower: Option<Vec<f64>>, upper: Option<Vec<f64>>) -> Result<Bounds, SearchError> {
         let unknowns = names.len();
         let none = Bounds::none(unknowns);
-        let bounds = Bounds { lower: lower.unwrap_or(none.lower), upper: upper.unwrap_or(none.upper) };
+        let bounds = Bounds { lower: lower.unwrap_or(none.lower), upper: upper.unwrap_or(none.upper), ..none };
         for (which, side) in [("lower", &bounds.lower), ("upper", &bounds.upper)] {
             if side.len() != unknowns {
                 return Err(refused!("`{which}` has {} entries for {unknowns} unknowns", side.len()));
@@ -233,6 +238,11 @@ impl Bounds {
         Ok(bounds)
     }
 
+    /// The same, where the coordinate of these unknowns, whose bounds are above zero, is the logarithm.
+    pub fn along_logarithms(self, is_logarithmic: Vec<bool>) -> Bounds {
+        Bounds { is_logarithmic, ..self }
+    }
+
     /// Lower and upper bound of every unknown.
     pub fn pairs(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.lower.iter().zip(&self.upper).map(|(lower, upper)| [*lower, *upper])
@@ -241,6 +251,32 @@ impl Bounds {
     /// Lower and upper bound of one unknown.
     pub(super) fn pair(&self, index: usize) -> [f64; 2] {
         [self.lower[index], self.upper[index]]
+    }
+
+    fn coordinate(&self, index: usize, x: f64) -> f64 {
+        if self.is_logarithmic[index] { x.ln() } else { x }
+    }
+
+    fn value(&self, index: usize, coordinate: f64) -> f64 {
+        if self.is_logarithmic[index] { coordinate.exp() } else { coordinate }
+    }
+
+    /// Lower and upper bound of one unknown, as coordinates.
+    fn ends(&self, index: usize) -> [f64; 2] {
+        self.pair(index).map(|end| self.coordinate(index, end))
+    }
+
+    /// Width of the interval of an unknown along its coordinate; its size at `x`, at least one, where that is infinite.
+    fn room(&self, index: usize, x: f64) -> f64 {
+        let [lower, upper] = self.ends(index);
+        if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) }
+    }
+
+    /// The bound on which an unknown that is `x` lies, or to which it is as close as the transform comes.
+    fn side(&self, index: usize, x: f64) -> Option<Side> {
+        let ([lower, upper], near) = (self.ends(index), CLOSE * self.room(index, x));
+        let x = self.coordinate(index, x);
+        if x - lower <= near { Some(Side::Lower) } else { (upper - x <= near).then_some(Side::Upper) }
     }
 
     /// Whether every unknown has both bounds.
@@ -263,8 +299,7 @@ impl Bounds {
 
     /// The unknowns of `x` that lie on a bound, or as close to one as the transform comes, and which bound that is.
     pub fn active(&self, x: &[f64]) -> Vec<(usize, Side)> {
-        let side = |(index, (x, pair)): (usize, (&f64, [f64; 2]))| Some((index, side(*x, pair)?));
-        x.iter().zip(self.pairs()).enumerate().filter_map(side).collect()
+        x.iter().enumerate().filter_map(|(index, x)| Some((index, self.side(index, *x)?))).collect()
     }
 
     /// Projects `x` onto the box.
@@ -276,21 +311,22 @@ impl Bounds {
 
     /// The unknowns of `x` beside a bound, as close to it as a start on it is moved inwards, and that bound.
     pub fn beside(&self, x: &[f64]) -> Vec<(usize, f64)> {
-        let bound = |(index, (x, [lower, upper])): (usize, (&f64, [f64; 2]))| {
-            let near = INWARDS * room(*x, [lower, upper]);
-            let close = [lower, upper].into_iter().find(|bound| (x - bound).abs() <= near)?;
+        let bound = |(index, x): (usize, &f64)| {
+            let near = INWARDS * self.room(index, *x);
+            let apart = |bound: f64| (self.coordinate(index, *x) - self.coordinate(index, bound)).abs();
+            let close = self.pair(index).into_iter().find(|bound| apart(*bound) <= near)?;
             (close != *x).then_some((index, close))
         };
-        x.iter().zip(self.pairs()).enumerate().filter_map(bound).collect()
+        x.iter().enumerate().filter_map(bound).collect()
     }
 
     /// Moves the unknowns of `x` that lie on a bound inwards.
     pub fn inwards(&self, x: &mut [f64]) {
-        for (x, [lower, upper]) in x.iter_mut().zip(self.pairs()) {
-            let room = room(*x, [lower, upper]);
-            match side(*x, [lower, upper]) {
-                Some(Side::Lower) => *x = lower + INWARDS * room,
-                Some(Side::Upper) => *x = upper - INWARDS * room,
+        for (index, x) in x.iter_mut().enumerate() {
+            let ([lower, upper], inwards) = (self.ends(index), INWARDS * self.room(index, *x));
+            match self.side(index, *x) {
+                Some(Side::Lower) => *x = self.value(index, lower + inwards),
+                Some(Side::Upper) => *x = self.value(index, upper - inwards),
                 None => {}
             }
         }
@@ -298,24 +334,31 @@ impl Bounds {
 
     /// The transform: the point of the box at `u`.
     pub fn x_of(&self, u: &[f64]) -> Vec<f64> {
-        let x = |(u, [lower, upper]): (&f64, [f64; 2])| match [lower.is_finite(), upper.is_finite()] {
-            [true, true] => (lower + (upper - lower) * 0.5 * (1.0 + u.sin())).clamp(lower, upper),
-            [true, false] => lower - 1.0 + (u * u + 1.0).sqrt(),
-            [false, true] => upper + 1.0 - (u * u + 1.0).sqrt(),
-            [false, false] => *u,
+        let x = |(index, u): (usize, &f64)| {
+            let [lower, upper] = self.ends(index);
+            let coordinate = match [lower.is_finite(), upper.is_finite()] {
+                [true, true] => lower + (upper - lower) * 0.5 * (1.0 + u.sin()),
+                [true, false] => lower - 1.0 + (u * u + 1.0).sqrt(),
+                [false, true] => upper + 1.0 - (u * u + 1.0).sqrt(),
+                [false, false] => *u,
+            };
+            self.value(index, coordinate).clamp(self.lower[index], self.upper[index])
         };
-        u.iter().zip(self.pairs()).map(x).collect()
+        u.iter().enumerate().map(x).collect()
     }
 
     /// The inverse of the transform: a `u` with the point `x` of the box.
     pub fn u_of(&self, x: &[f64]) -> Vec<f64> {
-        let u = |(x, [lower, upper]): (&f64, [f64; 2])| match [lower.is_finite(), upper.is_finite()] {
-            [true, true] => (2.0 * (x - lower) / (upper - lower) - 1.0).asin().clamp(-FRAC_PI_2, FRAC_PI_2),
-            [true, false] => ((x - lower + 1.0).powi(2) - 1.0).sqrt(),
-            [false, true] => ((upper - x + 1.0).powi(2) - 1.0).sqrt(),
-            [false, false] => *x,
+        let u = |(index, x): (usize, &f64)| {
+            let ([lower, upper], x) = (self.ends(index), self.coordinate(index, *x));
+            match [lower.is_finite(), upper.is_finite()] {
+                [true, true] => (2.0 * (x - lower) / (upper - lower) - 1.0).asin().clamp(-FRAC_PI_2, FRAC_PI_2),
+                [true, false] => ((x - lower + 1.0).powi(2) - 1.0).sqrt(),
+                [false, true] => ((upper - x + 1.0).powi(2) - 1.0).sqrt(),
+                [false, false] => x,
+            }
         };
-        x.iter().zip(self.pairs()).map(u).collect()
+        x.iter().enumerate().map(u).collect()
     }
 
     /// Of how much each entry of `u` a difference is a share: its own size, as of a value without bounds. Between two bounds at
@@ -328,17 +371,6 @@ impl Bounds {
         };
         u.iter().zip(self.pairs()).map(scale).collect()
     }
-}
-
-/// Width of the interval of an unknown; its size at `x`, at least one, where that is infinite.
-fn room(x: f64, [lower, upper]: [f64; 2]) -> f64 {
-    if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) }
-}
-
-/// The bound on which `x` lies, or to which it is as close as the transform comes.
-fn side(x: f64, [lower, upper]: [f64; 2]) -> Option<Side> {
-    let near = CLOSE * room(x, [lower, upper]);
-    if x - lower <= near { Some(Side::Lower) } else { (upper - x <= near).then_some(Side::Upper) }
 }
 
 /// Significant digits of a value.
@@ -395,6 +427,21 @@ mod tests {
         for far in [-1e3, -2.0, 0.0, 1.3, 77.0] {
             assert!(bounds.check(&bounds.x_of(&[far; 4]), &unnamed(4)).is_ok());
         }
+    }
+
+    #[test]
+    fn bounds_may_be_along_the_logarithm() {
+        let bounds = Bounds::new(&unnamed(1), Some(vec![1e-3]), Some(vec![100.0])).unwrap();
+        let bounds = bounds.along_logarithms(vec![true]);
+        // The middle of the interval, and a point that is 2 % of it away from the lower end.
+        assert!((bounds.x_of(&[0.0])[0] / 0.1_f64.sqrt() - 1.0).abs() < 1e-12);
+        let x = [1.26e-3];
+        assert!((bounds.x_of(&bounds.u_of(&x))[0] / x[0] - 1.0).abs() < 1e-12);
+        assert_eq!((bounds.active(&x), bounds.beside(&x)), (vec![], vec![]));
+        assert_eq!(bounds.active(&[1.001e-3]), [(0, Side::Lower)]);
+        let mut on = [1e-3];
+        bounds.inwards(&mut on);
+        assert!((on[0] / 1e-3 - 1e5_f64.powf(INWARDS)).abs() < 1e-12, "{on:?}");
     }
 
     #[test]

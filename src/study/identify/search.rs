@@ -282,6 +282,20 @@ mod tests {
         }
     }
 
+    /// Nine times the lower bound is far from it along the logarithm.
+    #[test]
+    fn a_search_along_the_logarithm_is_not_stopped_by_a_bound_that_is_far() {
+        let decades = |x: &[f64]| vec![10.0 * (x[0] / 0.009).ln(), 0.3];
+        let bounds = Bounds::new(&unnamed(1), Some(vec![1e-3]), Some(vec![100.0])).unwrap();
+        for start in [0.009_45, 20.0] {
+            let method = Search::new(Method::LevenbergMarquardt, vec![start]);
+            let search = Search { bounds: bounds.clone().along_logarithms(vec![true]), ..method };
+            let best = found(&search, &decades, 1).unwrap();
+            assert!((best.best.x[0] / 0.009 - 1.0).abs() < 1e-3 && best.best.converged, "{best:?}");
+            assert!(best.warnings.is_empty(), "{best:?}");
+        }
+    }
+
     /// In the transform the centre is zero; a share of that would show the roughness rather than the slope.
     #[test]
     fn a_rough_objective_is_left_from_the_centre_of_its_bounds() {
