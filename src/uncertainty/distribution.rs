@@ -192,6 +192,19 @@ impl Distribution {
         self.family.density(x) / self.left
     }
 
+    /// The standard normal value of the same probability in the whole family, by the smaller tail; it goes on linearly where that
+    /// has no digits.
+    pub fn normal_score(&self, x: f64) -> f64 {
+        const LEAST: f64 = 1e-100;
+        let ends = [Tails { below: LEAST, above: 1.0 }, Tails { below: 1.0, above: LEAST }];
+        let [low, high] = ends.map(|tails| self.family.quantile(tails));
+        let near = x.clamp(low, high);
+        let tails = self.family.tails(near);
+        let lower = tails.below <= tails.above;
+        let score = if lower { normal::quantile(tails.below) } else { -normal::quantile(tails.above) };
+        score + (x - near) * self.family.density(near) / normal::density(score)
+    }
+
     /// Mean, in the unit of the quantity: a closed form of the family, or of a truncated one by quadrature to a
     /// relative error of about 1e-12.
     pub fn mean(&self) -> f64 {
@@ -490,6 +503,20 @@ mod tests {
         for p in [1e-6, 0.1, 0.5, 0.999] {
             let above = (survival(truncated.quantile(p)) - survival(30.0)).exp();
             assert!((1.0 - above - p).abs() < 1e-12, "{p}: {above}");
+        }
+    }
+
+    /// That of a normal quantity is linear without end, whatever truncates it; others rise everywhere.
+    #[test]
+    fn normal_scores_have_a_slope_far_out() {
+        let normal = Distribution::normal(1.6, 0.02).unwrap().truncated(Some(0.1), Some(1.7)).unwrap();
+        for deviations in [-55.0, -30.0, -8.0, -0.5, 0.0, 3.0, 20.0, 40.0] {
+            let score = normal.normal_score(1.6 + 0.02 * deviations);
+            assert!((score - deviations).abs() < 1e-9 * f64::max(1.0, score.abs()), "{score} at {deviations}");
+        }
+        for positive in [Distribution::log_normal(10.0, 0.4).unwrap(), Distribution::weibull(10.0, 12.0).unwrap()] {
+            let scores: Vec<f64> = (0..100).map(|place| positive.normal_score(0.5 * f64::from(place))).collect();
+            assert!(scores.windows(2).all(|pair| pair[1] > pair[0] + 0.01), "{positive}: {scores:?}");
         }
     }
 

@@ -302,7 +302,7 @@ fn searched(
     labels: &Labels,
 ) -> HostResult<SearchResult> {
     let search = plan.search_from(start, is_first, is_last)?;
-    let priors = plan.unknowns.iter().filter(|unknown| plan.parameter_of(unknown).prior.is_some()).count();
+    let priors = plan.unknowns.iter().filter(|unknown| plan.parameter_of(unknown).is_scored()).count();
     if search.method == Method::LevenbergMarquardt
         && objective.ends().last().is_some_and(|end| end + priors < search.start.len())
     {

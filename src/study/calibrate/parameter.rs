@@ -10,7 +10,7 @@ use super::outcome::BREAK_FACTORS;
 use crate::scenario_functions::Changes;
 use crate::script::{HostResult, Options, number, numbers, refuse, refuse_within, texts, to_json, window};
 use lab::experiment::coupon::Curve;
-use uncertainty::distribution::Distribution;
+use uncertainty::distribution::{Distribution, Family};
 use uncertainty::normal;
 
 /// A parameter: the keys that have its value, and what is known of it before the tests.
@@ -24,7 +24,7 @@ pub(super) struct Parameter {
     pub(super) unit: Option<String>,
     /// Where the search starts.
     pub(super) start: f64,
-    /// Its bounds.
+    /// Its bounds, where its prior has a density.
     pub(super) within: [f64; 2],
     /// Whether the search, its uncertainty, and the prior without a distribution are along its logarithm.
     pub(super) is_logarithmic: bool,
@@ -116,9 +116,15 @@ impl Parameter {
             }
             *end = found;
         }
+        let prior = map.get("prior").map(prior).transpose()?;
+        let mut of_prior = "";
+        if let Some(prior) = &prior {
+            within = [within[0].max(prior.quantile(0.0)), within[1].min(prior.quantile(1.0))];
+            of_prior = ", where `prior` has a density";
+        }
         let [low, high] = within;
         if !(low < high && (low..=high).contains(&start)) {
-            return Err(refuse!("`start` {start} does not lie within [{low}, {high}]"));
+            return Err(refuse!("`start` {start} does not lie within [{low}, {high}]{of_prior}"));
         }
         let role = role(&keys)?;
         // Break strains scatter along their logarithm.
@@ -126,7 +132,6 @@ impl Parameter {
         if is_logarithmic && low <= 0.0 {
             return Err(refuse!("`log` needs `within` above zero, which begins at {low}"));
         }
-        let prior = map.get("prior").map(prior).transpose()?;
         let tests = options.texts("tests")?;
         let scatter = map.get("scatter").map(scatter).transpose()?;
         if scatter.is_some() && role == Role::Key {
@@ -212,12 +217,16 @@ impl Parameter {
         own.filter(|own| own.is_finite() && *own > 0.0).map_or(uniform, |own| own.min(uniform))
     }
 
-    /// The residual of a prior at a value: the standard normal value of the same probability.
+    /// The residual of a prior at a value: the standard normal value of the same probability. A uniform one has none, nor has
+    /// what truncates one: they are bounds.
     pub(super) fn prior_residual(&self, value: f64) -> Option<f64> {
-        /// Probabilities nearer to zero and one have no quantile with digits.
-        const NEAREST: f64 = 1e-12;
-        let prior = self.prior.as_ref()?;
-        Some(normal::quantile(prior.cumulative(value).clamp(NEAREST, 1.0 - NEAREST)))
+        let prior = self.prior.as_ref().filter(|prior| !matches!(prior.family(), Family::Uniform { .. }))?;
+        Some(prior.normal_score(value))
+    }
+
+    /// Whether its prior has a residual.
+    pub(super) fn is_scored(&self) -> bool {
+        self.prior_residual(self.start).is_some()
     }
 
     /// Logarithm of the density of the coordinate before the tests, up to a constant; −∞ outside the bounds.
@@ -456,6 +465,18 @@ mod tests {
         assert_eq!(found.log_prior(20.0), f64::NEG_INFINITY);
     }
 
+    /// A uniform prior, and what truncates another, are bounds; far from a normal one its residual still has a slope.
+    #[test]
+    fn a_prior_is_bounds_where_it_ends_and_a_residual_where_it_falls() {
+        let of =
+            |prior: &str| read(&format!("#{{ key: \"a\", start: 1.6, within: [0.5, 2], prior: {prior} }}")).unwrap();
+        let uniform = of("#{ uniform: #{ low: 1.5, high: 1.8 } }");
+        assert_eq!((uniform.within, uniform.prior_residual(1.5), uniform.is_scored()), ([1.5, 1.8], None, false));
+        let normal = of("#{ normal: #{ mean: 1.6, deviation: 0.02 }, low: 1.2 }");
+        assert!((normal.within[0] - 1.2).abs() < 1e-12 && normal.within[1] == 2.0, "{normal:?}");
+        assert!((normal.prior_residual(1.0).unwrap() + 30.0).abs() < 1e-9, "{normal:?}");
+    }
+
     #[test]
     fn mistakes_name_the_parameter() {
         for (text, expected) in [
@@ -467,6 +488,10 @@ mod tests {
             (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` must be an array of two values"),
             (r#"#{ key: "a", start: "1 mm", within: ["0 mm", "inf mm"] }"#, "inf is not finite"),
             (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
+            (
+                r#"#{ key: "a", start: 1, within: [0.5, 2], prior: #{ uniform: #{ low: 1.5, high: 1.8 } } }"#,
+                "`start` 1 does not lie within [1.5, 1.8], where `prior` has a density",
+            ),
             (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),
             ("7", "expected a map with `key`"),
             (r#"#{ key: "a", start: 1, within: [0, 2], scatter: 0.1 }"#, "`scatter` is of break strains"),

@@ -85,21 +85,23 @@ pub(super) fn of_covariance(
     (0..x.len()).map(|index| judged(plan, x, index, covariance, alone(index), at_bounds)).collect()
 }
 
-/// JᵀJ with what is known before the tests: the residuals have the rows of distributions, bounds count as uniform ones.
+/// JᵀJ with what is known before the tests: the residuals have the rows of distributions, bounds count as uniform ones, and
+/// these as bounds.
 pub(super) fn information(plan: &Plan, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
     let mut information = jacobian.transpose() * jacobian;
     for (index, unknown) in plan.unknowns.iter().enumerate() {
         let parameter = plan.parameter_of(unknown);
-        if parameter.prior.is_none() {
+        if !parameter.is_scored() {
             information[(index, index)] += parameter.prior_deviation().powi(-2);
         }
     }
     information
 }
 
-/// The inverse of an information matrix, scaled to a unit diagonal first.
+/// The inverse of an information matrix, scaled to a unit diagonal first; what nothing is known of has a large variance.
 pub(super) fn inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
-    let scale: Vec<f64> = information.diagonal().iter().map(|entry| entry.sqrt().recip()).collect();
+    let scale = |entry: &f64| if *entry > 0.0 { entry.sqrt().recip() } else { 1.0 };
+    let scale: Vec<f64> = information.diagonal().iter().map(scale).collect();
     let scaled = DMatrix::from_fn(scale.len(), scale.len(), |r, c| information[(r, c)] * scale[r] * scale[c]);
     // Positive definite, since something is known of every unknown before; rounding may leave it a hair short of that.
     let ridge = DMatrix::identity(scale.len(), scale.len()) * 1e-12;
@@ -161,5 +163,17 @@ pub(super) fn judged(
         prior_share,
         mesh_shift,
         verdict,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_nothing_is_known_of_has_a_variance() {
+        let found = inverse(&DMatrix::from_row_slice(3, 3, &[4.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 4.0]));
+        assert!((found[(0, 0)] - 4.0 / 15.0).abs() < 1e-9 && (found[(0, 2)] + 1.0 / 15.0).abs() < 1e-9, "{found}");
+        assert!(found[(1, 1)].is_finite() && found[(1, 1)] > 1e9 && found[(0, 1)].abs() < 1e-3, "{found}");
     }
 }

@@ -250,7 +250,7 @@ impl Beginning {
 /// once.
 fn jacobian([searched, joint]: [&Plan; 2], fit: &Fit, places: &[Vec<usize>]) -> DMatrix<f64> {
     let with_prior = |plan: &Plan| -> Vec<usize> {
-        (0..plan.unknowns.len()).filter(|index| plan.parameter_at(*index).prior.is_some()).collect()
+        (0..plan.unknowns.len()).filter(|index| plan.parameter_at(*index).is_scored()).collect()
     };
     let of_tests = fit.jacobian.nrows() - with_prior(searched).len();
     let priors = with_prior(joint);
