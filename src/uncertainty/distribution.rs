@@ -3,18 +3,13 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-use serde::Deserialize;
-
 use crate::{Error, ensure, normal};
 
 /// Least probability between the ends of a truncation: below it the tails have lost their digits.
 const LEAST_LEFT: f64 = 1e-280;
 
 /// Distribution of one input: a family, conditional on lying between two ends where it is truncated.
-///
-/// It is deserialized as it is written (`family`, `low`, `high`), and checked.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Written")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distribution {
     family: Family,
     low: Option<f64>,
@@ -23,22 +18,6 @@ pub struct Distribution {
     cut: Tails,
     /// Probability of the family that is left.
     left: f64,
-}
-
-#[derive(Deserialize)]
-struct Written {
-    #[serde(flatten)]
-    family: Family,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-impl TryFrom<Written> for Distribution {
-    type Error = Error;
-
-    fn try_from(written: Written) -> Result<Self, Error> {
-        Self::new(written.family)?.truncated(written.low, written.high)
-    }
 }
 
 /// In words: `normal, mean 12, deviation 0.5, at least 10`.
@@ -242,8 +221,7 @@ fn between(bottom: Tails, top: Tails) -> f64 {
 }
 
 /// Family of a distribution and its parameters, in the unit of the quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Family {
     /// Equal density from low to high.
     Uniform {
@@ -591,16 +569,6 @@ mod tests {
             "the lower end 1 must be below the upper end 1, at a finite distance"
         );
         assert_eq!(refused(standard.truncated(Some(f64::NAN), None)), "the lower end is NaN, but must be finite");
-    }
-
-    #[test]
-    fn what_is_read_is_checked() {
-        let truncated = Distribution::weibull(2.0, 3.0).unwrap().truncated(Some(0.5), None).unwrap();
-        let text = r#"{"weibull":{"scale":2.0,"shape":3.0},"low":0.5}"#;
-        assert_eq!(serde_json::from_str::<Distribution>(text).unwrap(), truncated);
-        let bad = r#"{"normal":{"mean":1.0,"deviation":-1.0}}"#;
-        let message = serde_json::from_str::<Distribution>(bad).unwrap_err().to_string();
-        assert!(message.contains("the standard deviation is -1"), "{message}");
     }
 
     proptest! {

@@ -118,7 +118,7 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
     for (name, key, [mean, deviation], [from, to]) in PARAMETERS {
         text.push_str(&format!(
             "{name} = {{ key = \"{key}\", start = {mean}, within = [{from}, {to}], log = true, \
-             prior = {{ log_normal = {{ mean = {mean}, deviation = {deviation} }} }} }}\n"
+             prior = {{ lognormal = {{ mean = {mean}, deviation = {deviation} }} }} }}\n"
         ));
     }
     text.push_str("[posterior]\n");

@@ -32,7 +32,7 @@ pub use loading::Loading;
 use membrane::engine::GuideFriction;
 use membrane::material::Material;
 pub use meshing::{DETAIL_BYTES, SNAPSHOT_BYTES, SNAPSHOT_MEMORY};
-pub use variation::{Factor, Input, Level, Point, Points, Values, Variation, variation};
+pub use variation::{Factor, Input, Level, Point, Points, Values, Variation, distribution, variation};
 pub use warning::{ABSORPTION_NOT_GIVEN, CODES, Warning, warnings};
 
 /// Checks a scenario and converts it to SI values.

@@ -33,6 +33,7 @@ pub use schema::{FileKind, open as schema_for_editors};
 pub use specimen::*;
 pub use tree::{Assignment, Entry, Node, Table, Value, parse as parse_tree};
 pub use validate::{Implausible, validate};
+pub(crate) use variation::distribution_rule;
 pub use variation::{Correlation, Method, Variation, VariedKey};
 
 keys! {

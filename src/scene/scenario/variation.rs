@@ -140,7 +140,34 @@ const POSITIVE: Range = Range { from: Some(Bound { value: 0.0, included: false }
 
 /// The table of a range or a distribution of such a number.
 fn choice(number: &Rule) -> TableRule {
-    let pair = || Rule::Tuple(vec![number.clone(), number.clone()]);
+    let range = Range {
+        from: Some(Bound { value: 2.0, included: true }),
+        to: Some(Bound { value: 1e6, included: true }),
+        likely: None,
+    };
+    let mut keys = vec![key("range", pair(number), false), key("count", Rule::Number { whole: true, range }, false)];
+    // A whole number has no density.
+    if !matches!(number, Rule::Number { whole: true, .. }) {
+        keys.extend(distributions(number));
+    }
+    one_of(keys)
+}
+
+/// The table of a distribution of numbers without unit.
+pub(crate) fn distribution_rule() -> Rule {
+    Rule::Table(one_of(distributions(&Rule::Number { whole: false, range: Range::default() })))
+}
+
+/// A table with one kind of values of these keys.
+fn one_of(keys: Vec<Key>) -> TableRule {
+    let groups = KINDS.iter().filter(|kind| keys.iter().any(|key| key.name == **kind));
+    let groups =
+        groups.map(|kind| if *kind == "range" { vec!["range".into(), "count".into()] } else { vec![(*kind).into()] });
+    TableRule { groups: groups.collect(), keys, group_required: true, ..TableRule::default() }
+}
+
+/// The keys of distributions of such a number.
+fn distributions(number: &Rule) -> Vec<Key> {
     let positive = match number.dimension() {
         Some(Temperature::DIMENSION) => Rule::Quantity(TemperatureDifference::DIMENSION, POSITIVE),
         _ => within(number, POSITIVE),
@@ -149,31 +176,17 @@ fn choice(number: &Rule) -> TableRule {
     let unlimited = within(number, Range::default());
     let moments = [("mean", number), ("deviation", &positive)];
     let shape = Rule::Number { whole: false, range: POSITIVE };
-    let count = Rule::Number {
-        whole: true,
-        range: Range {
-            from: Some(Bound { value: 2.0, included: true }),
-            to: Some(Bound { value: 1e6, included: true }),
-            likely: None,
-        },
-    };
-    let mut keys = vec![
-        key("range", pair(), false),
-        key("count", count, false),
-        key("uniform", pair(), false),
+    vec![
+        key("uniform", pair(number), false),
         key("normal", table(&moments, true), false),
         key("lognormal", table(&moments, true), false),
         key("weibull", table(&[("scale", &positive), ("shape", &shape)], true), false),
         key("truncate", table(&[("low", &unlimited), ("high", &unlimited)], false), false),
-    ];
-    if matches!(number, Rule::Number { whole: true, .. }) {
-        // A whole number has no density.
-        keys.retain(|key| ["range", "count"].contains(&key.name.as_str()));
-    }
-    let groups = KINDS.iter().filter(|kind| keys.iter().any(|key| key.name == **kind));
-    let groups =
-        groups.map(|kind| if *kind == "range" { vec!["range".into(), "count".into()] } else { vec![(*kind).into()] });
-    TableRule { groups: groups.collect(), keys, group_required: true, ..TableRule::default() }
+    ]
+}
+
+fn pair(number: &Rule) -> Rule {
+    Rule::Tuple(vec![number.clone(), number.clone()])
 }
 
 fn key(name: &str, rule: Rule, required: bool) -> Key {

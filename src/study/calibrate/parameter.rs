@@ -9,7 +9,9 @@ use super::file;
 use super::outcome::BREAK_FACTORS;
 use crate::scenario_functions::Changes;
 use crate::script::{HostResult, Options, number, numbers, refuse, refuse_within, texts, to_json, window};
+use base::diagnostic::{Diagnostic, Source};
 use lab::experiment::coupon::Curve;
+use scene::scenario::parse_tree;
 use uncertainty::distribution::{Distribution, Family};
 use uncertainty::normal;
 
@@ -109,14 +111,9 @@ impl Parameter {
         let ends = ends.ok_or_else(|| refuse("`within` must be an array of two values, such as [0.2, 10]"))?;
         let mut within = [0.0; 2];
         for (end, value) in within.iter_mut().zip(&ends) {
-            let (found, own) = quantity(value)?;
-            if own != unit {
-                let [own, unit] = [&own, &unit].map(|unit| unit.as_deref().unwrap_or("none"));
-                return Err(refuse!("`within` has the unit {own} and `start` {unit}: give them one unit"));
-            }
-            *end = found;
+            *end = number_in(unit.as_deref(), "within", value)?;
         }
-        let prior = map.get("prior").map(prior).transpose()?;
+        let prior = map.get("prior").map(|given| prior(given, unit.as_deref())).transpose()?;
         let mut of_prior = "";
         if let Some(prior) = &prior {
             within = [within[0].max(prior.quantile(0.0)), within[1].min(prior.quantile(1.0))];
@@ -310,10 +307,37 @@ fn quantity(given: &Dynamic) -> HostResult<(f64, Option<String>)> {
     if found.is_finite() { Ok((found, unit)) } else { Err(refuse!("{found} is not finite")) }
 }
 
-/// A distribution as `[variation]` writes it, in the unit of the values.
-fn prior(given: &Dynamic) -> HostResult<Distribution> {
-    serde_json::from_value(to_json(given)?).map_err(|error| {
-        refuse!("`prior` is a distribution such as #{{ normal: #{{ mean: 1, deviation: 0.1 }} }}: {error}")
+/// A number in the unit of `start`.
+fn number_in(unit: Option<&str>, what: &str, given: &Dynamic) -> HostResult<f64> {
+    let (found, own) = quantity(given)?;
+    if own.as_deref() == unit {
+        return Ok(found);
+    }
+    let [own, unit] = [own.as_deref(), unit].map(|unit| unit.unwrap_or("none"));
+    Err(refuse!("`{what}` has the unit {own} and `start` {unit}: give them one unit"))
+}
+
+/// A distribution as `[variation]` writes it, of numbers in the unit of `start` and of texts that have it.
+fn prior(given: &Dynamic, unit: Option<&str>) -> HostResult<Distribution> {
+    let wrong = |error: &str| refuse!("`prior`: {error}");
+    let written =
+        toml::Value::try_from(without_unit(to_json(given)?, unit)?).map_err(|error| wrong(&error.to_string()))?;
+    let tree = parse_tree(&Source::unfiled("prior", format!("prior = {written}")));
+    let tree = tree.map_err(|mistakes| wrong(&mistakes.iter().map(Diagnostic::in_line).collect::<String>()))?;
+    let node = tree.find("prior").ok_or_else(|| wrong("it is empty"))?;
+    scene::model::distribution(node).map_err(|error| wrong(&error))
+}
+
+/// A value whose texts are numbers in the unit of `start`.
+fn without_unit(value: Value, unit: Option<&str>) -> HostResult<Value> {
+    Ok(match value {
+        Value::String(text) => number_in(unit, "prior", &text.into())?.into(),
+        Value::Array(list) => list.into_iter().map(|item| without_unit(item, unit)).collect::<HostResult<_>>()?,
+        Value::Object(map) => {
+            let number = |(name, item)| Ok((name, without_unit(item, unit)?));
+            Value::Object(map.into_iter().map(number).collect::<HostResult<_>>()?)
+        }
+        other => other,
     })
 }
 
@@ -452,7 +476,7 @@ mod tests {
     #[test]
     fn a_prior_is_along_the_coordinate_of_the_search() {
         let found = read(
-            r#"#{ key: "a", start: 1, within: [0.01, 100], log: true, prior: #{ log_normal: #{ mean: 2, deviation: 0.5 } } }"#,
+            r#"#{ key: "a", start: 1, within: [0.01, 100], log: true, prior: #{ lognormal: #{ mean: 2, deviation: 0.5 } } }"#,
         );
         let found = found.unwrap();
         let spread = (1.0 + 0.0625_f64).ln().sqrt();
@@ -470,11 +494,22 @@ mod tests {
     fn a_prior_is_bounds_where_it_ends_and_a_residual_where_it_falls() {
         let of =
             |prior: &str| read(&format!("#{{ key: \"a\", start: 1.6, within: [0.5, 2], prior: {prior} }}")).unwrap();
-        let uniform = of("#{ uniform: #{ low: 1.5, high: 1.8 } }");
+        let uniform = of("#{ uniform: [1.5, 1.8] }");
         assert_eq!((uniform.within, uniform.prior_residual(1.5), uniform.is_scored()), ([1.5, 1.8], None, false));
-        let normal = of("#{ normal: #{ mean: 1.6, deviation: 0.02 }, low: 1.2 }");
+        let normal = of("#{ normal: #{ mean: 1.6, deviation: 0.02 }, truncate: #{ low: 1.2 } }");
         assert!((normal.within[0] - 1.2).abs() < 1e-12 && normal.within[1] == 2.0, "{normal:?}");
         assert!((normal.prior_residual(1.0).unwrap() + 30.0).abs() < 1e-9, "{normal:?}");
+    }
+
+    /// Truncated, and in the unit of the start.
+    #[test]
+    fn a_prior_is_written_as_what_varies() {
+        let found = read(
+            r#"#{ key: "a", start: "12 um", within: ["8 um", "15 um"],
+            prior: #{ normal: #{ mean: "12 um", deviation: 1 }, truncate: #{ low: 10, high: "14 um" } } }"#,
+        );
+        let expected = Distribution::normal(12.0, 1.0).and_then(|whole| whole.truncated(Some(10.0), Some(14.0)));
+        assert_eq!(found.unwrap().prior, Some(expected.unwrap()));
     }
 
     #[test]
@@ -487,9 +522,21 @@ mod tests {
             (r#"#{ key: 3, start: 1, within: [0, 2] }"#, "`key` must be a string or an array of strings, not 3"),
             (r#"#{ key: "a", start: 1, within: 2 }"#, "`within` must be an array of two values"),
             (r#"#{ key: "a", start: "1 mm", within: ["0 mm", "inf mm"] }"#, "inf is not finite"),
-            (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior` is a distribution such as"),
+            (r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ gauss: 1 } }"#, "`prior`: unknown key `gauss`"),
             (
-                r#"#{ key: "a", start: 1, within: [0.5, 2], prior: #{ uniform: #{ low: 1.5, high: 1.8 } } }"#,
+                r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ uniform: [0, 2], trunkate: #{ low: 1 } } }"#,
+                "did you mean `truncate`?",
+            ),
+            (
+                r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ log_normal: #{ mean: 1, deviation: 1 } } }"#,
+                "did you mean `lognormal`?",
+            ),
+            (
+                r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ normal: #{ mean: "1 mm", deviation: 1 } } }"#,
+                "`prior` has the unit mm and `start` none",
+            ),
+            (
+                r#"#{ key: "a", start: 1, within: [0.5, 2], prior: #{ uniform: [1.5, 1.8] } }"#,
                 "`start` 1 does not lie within [1.5, 1.8], where `prior` has a density",
             ),
             (r#"#{ key: "a", begin: 1 }"#, "has no option `begin`"),

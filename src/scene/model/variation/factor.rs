@@ -8,7 +8,7 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::super::Checker;
-use crate::scenario::{Assignment, Node, Rule, Value, VariedKey};
+use crate::scenario::{Assignment, Node, Rule, Value, VariedKey, distribution_rule, validate};
 use base::diagnostic::{Diagnostic, Source, Span, shown_path};
 use base::units::{Dimension, percentage};
 use base::{file, number, written};
@@ -148,6 +148,18 @@ const DISTRIBUTIONS: [(&str, [&str; 2], Make); 4] = [
     ("weibull", ["scale", "shape"], Distribution::weibull),
 ];
 
+/// A distribution of numbers without unit, written as that of a key that varies.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn distribution(node: &Node) -> Result<Distribution, String> {
+    let mistakes: Vec<String> = validate(node, &distribution_rule()).iter().map(Diagnostic::in_line).collect();
+    match mistakes.is_empty() {
+        true => Reading { dimension: None, is_whole: false }.distribution(node),
+        false => Err(mistakes.join("; ")),
+    }
+}
+
 /// How the values of a key are read.
 struct Reading {
     dimension: Option<Dimension>,
@@ -183,6 +195,11 @@ impl Reading {
         if let ([Some(from), Some(to)], Some(Value::Whole(count))) = (["range.0", "range.1"].map(number), count) {
             return self.range([from, to], usize::try_from(*count).unwrap_or(0), &node.span).map(Values::Levels);
         }
+        self.distribution(node).map(Values::Distribution)
+    }
+
+    fn distribution(&self, node: &Node) -> Result<Distribution, String> {
+        let number = |path: &str| node.find(path).and_then(|node| self.number(node));
         let made = DISTRIBUTIONS.into_iter().find_map(|(kind, names, make)| {
             let [first, second] = names.map(|name| number(&format!("{kind}.{name}")));
             Some(make(first?, second?))
@@ -190,11 +207,10 @@ impl Reading {
         let made = made.ok_or("expected a list, a range or a distribution")?;
         let whole = made.map_err(|error| error.to_string())?;
         let limits = [number("truncate.low"), number("truncate.high")];
-        let truncated = match limits {
+        match limits {
             [None, None] => Ok(whole),
-            [low, high] => whole.truncated(low, high),
-        };
-        truncated.map(Values::Distribution).map_err(|error| error.to_string())
+            [low, high] => whole.truncated(low, high).map_err(|error| error.to_string()),
+        }
     }
 
     /// `count` values at equal distances from the first to the second end.

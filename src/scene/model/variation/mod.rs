@@ -5,7 +5,7 @@ mod factor;
 use super::{Checker, checked};
 use crate::scenario::{self, Assignment, Document, Method};
 use base::diagnostic::Diagnostic;
-pub use factor::{Factor, Input, Level, Values};
+pub use factor::{Factor, Input, Level, Values, distribution};
 use uncertainty::correlation::Correlation;
 use uncertainty::design::{self, Levels, Method as Sampling};
 
