@@ -252,7 +252,7 @@ impl Plan {
     /// The unknowns on which the outcomes of a test depend beside its runs.
     pub(super) fn break_unknowns(&self, test: usize) -> BreakUnknowns {
         let factors = self.tests[test].outcomes.as_ref().map_or([1.0; 2], |own| own.factors);
-        self.breaks_by(self.of_test(test), factors)
+        self.breaks_by(self.of_test(test), |parameter| is_of(parameter, &self.tests[test]), factors)
     }
 
     /// Whether any test tells of break strains.
@@ -263,10 +263,16 @@ impl Plan {
     /// The break strains of film that is in no test, so many times those of its curves where the tests say nothing else.
     pub(super) fn shared_breaks(&self, factors: [f64; 2]) -> BreakUnknowns {
         let is_shared = |index: &usize| self.unknowns[*index].test.is_none();
-        self.breaks_by((0..self.unknowns.len()).filter(is_shared), factors)
+        self.breaks_by((0..self.unknowns.len()).filter(is_shared), |_| true, factors)
     }
 
-    fn breaks_by(&self, unknowns: impl Iterator<Item = usize>, factors: [f64; 2]) -> BreakUnknowns {
+    /// The break strains of film on which these unknowns and parameters act.
+    fn breaks_by(
+        &self,
+        unknowns: impl Iterator<Item = usize>,
+        acts: impl Fn(&Parameter) -> bool,
+        factors: [f64; 2],
+    ) -> BreakUnknowns {
         let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
         let mut unknown = Vec::new();
         for index in unknowns {
@@ -275,8 +281,8 @@ impl Plan {
                 unknown.push((parameter.role, index));
             }
         }
-        // Also of break strains that each test has of its own: how much specimens scatter is given for all.
-        for parameter in &self.parameters {
+        // Also of break strains that each test has of its own: how much specimens scatter is given for all of them.
+        for parameter in self.parameters.iter().filter(|own| acts(own)) {
             if let (Role::Break(along), Some([low, high])) = (parameter.role, parameter.scatter)
                 && low == high
             {
@@ -586,4 +592,37 @@ fn correlation(given: &Dynamic) -> Result<Correlation, String> {
     };
     let (Correlation::Length(length) | Correlation::Share(length)) = found;
     if length > 0.0 && length.is_finite() { Ok(found) } else { Err("`correlation` must be above zero".into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two drops: break strains along MD of each, and one of both along TD.
+    fn drops() -> Plan {
+        let drop = format!("scenario: \"{}/../../scenarios/drop/1508.toml\"", env!("CARGO_MANIFEST_DIR"));
+        let key = |along: &str| format!("key: \"specimen.material.fabric.{along}.break_factor\", within: [0.3, 3]");
+        let [md, td] = ["md", "td"].map(key);
+        let text = format!(
+            "#{{ tests: [#{{ {drop}, name: \"a\", outcome: \"held\" }}, #{{ {drop}, name: \"b\", outcome: \"broke\" }}],
+            parameters: #{{ md_a: #{{ {md}, start: 0.7, scatter: 0.2, tests: \"a\" }},
+                md_b: #{{ {md}, start: 0.5, scatter: 0.3, tests: \"b\" }}, td: #{{ {td}, start: 0.9, scatter: [0.05, 0.5] }} }} }}"
+        );
+        let map = rhai::Engine::new_raw().eval::<Map>(&text).unwrap();
+        Plan::read(&map, &Scenarios::default(), &Session::default()).unwrap()
+    }
+
+    fn is_near(found: &Breaks, factors: [f64; 2], scatter: [f64; 2]) -> bool {
+        let pairs = found.log_factors.iter().zip(factors.map(f64::ln)).chain(found.scatter.iter().zip(scatter));
+        pairs.into_iter().all(|(own, expected)| (own - expected).abs() < 1e-9)
+    }
+
+    #[test]
+    fn specimens_scatter_as_the_parameter_of_their_test_says() {
+        let plan = drops();
+        let of = |test: usize| plan.break_unknowns(test).with_values(&plan.start());
+        let td = 0.025_f64.sqrt();
+        assert!(is_near(&of(0), [0.7, 0.9], [0.2, td]), "{:?}", of(0));
+        assert!(is_near(&of(1), [0.5, 0.9], [0.3, td]), "{:?}", of(1));
+    }
 }
