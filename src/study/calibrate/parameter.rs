@@ -158,8 +158,11 @@ impl Parameter {
         self.keys.iter().any(|own| own.name == key)
     }
 
-    /// Whether both write one key, as curves or as values, and not the points of one curve.
+    /// Whether both write one key, as curves or as values, and not the points of one curve, or are scatters along one direction.
     pub(super) fn shares_a_key(&self, other: &Parameter) -> bool {
+        if let (Role::Scatter(one), Role::Scatter(two)) = (self.role, other.role) {
+            return (0..2).any(|along| one[along] && two[along]);
+        }
         if let (Some(one), Some(two)) = (&self.point, &other.point) {
             return one.key == two.key && !Arc::ptr_eq(&one.strains, &two.strains);
         }

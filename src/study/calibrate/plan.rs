@@ -252,7 +252,7 @@ impl Plan {
     /// The unknowns on which the outcomes of a test depend beside its runs.
     pub(super) fn break_unknowns(&self, test: usize) -> BreakUnknowns {
         let factors = self.tests[test].outcomes.as_ref().map_or([1.0; 2], |own| own.factors);
-        self.breaks_by(self.of_test(test), |parameter| is_of(parameter, &self.tests[test]), factors)
+        self.breaks_by(self.of_test(test), |parameter| is_of(&self.parameters[parameter], &self.tests[test]), factors)
     }
 
     /// Whether any test tells of break strains.
@@ -260,17 +260,19 @@ impl Plan {
         self.tests.iter().any(|test| test.outcomes.is_some())
     }
 
-    /// The break strains of film that is in no test, so many times those of its curves where the tests say nothing else.
+    /// The break strains of film that is in no test, so many times those of its curves where the tests say nothing else, or not the
+    /// same.
     pub(super) fn shared_breaks(&self, factors: [f64; 2]) -> BreakUnknowns {
-        let is_shared = |index: &usize| self.unknowns[*index].test.is_none();
-        self.breaks_by((0..self.unknowns.len()).filter(is_shared), |_| true, factors)
+        let acts = |parameter: usize| self.rivals(parameter).next().is_none();
+        let is_shared = |unknown: &Unknown| unknown.test.is_none() && acts(unknown.parameter);
+        self.breaks_by((0..self.unknowns.len()).filter(|index| is_shared(&self.unknowns[*index])), acts, factors)
     }
 
-    /// The break strains of film on which these unknowns and parameters act.
+    /// The break strains of film on which these unknowns act, and parameters by their indices.
     fn breaks_by(
         &self,
         unknowns: impl Iterator<Item = usize>,
-        acts: impl Fn(&Parameter) -> bool,
+        acts: impl Fn(usize) -> bool,
         factors: [f64; 2],
     ) -> BreakUnknowns {
         let mut known = Breaks { log_factors: factors.map(f64::ln), scatter: [USUAL_SCATTER; 2] };
@@ -282,7 +284,7 @@ impl Plan {
             }
         }
         // Also of break strains that each test has of its own: how much specimens scatter is given for all of them.
-        for parameter in self.parameters.iter().filter(|own| acts(own)) {
+        for (_, parameter) in self.parameters.iter().enumerate().filter(|(index, _)| acts(*index)) {
             if let (Role::Break(along), Some([low, high])) = (parameter.role, parameter.scatter)
                 && low == high
             {
@@ -624,5 +626,20 @@ mod tests {
         let td = 0.025_f64.sqrt();
         assert!(is_near(&of(0), [0.7, 0.9], [0.2, td]), "{:?}", of(0));
         assert!(is_near(&of(1), [0.5, 0.9], [0.3, td]), "{:?}", of(1));
+    }
+
+    /// Of film in no test it is not known which of the two it has; nor, where it is estimated, which of two scatters.
+    #[test]
+    fn a_break_strain_that_tests_disagree_on_is_not_predicted() {
+        let plan = drops();
+        let found = plan.shared_breaks([1.2, 1.0]).with_values(&plan.start());
+        assert!(is_near(&found, [1.2, 0.9], [USUAL_SCATTER, 0.025_f64.sqrt()]), "{found:?}");
+        let scattered = |name: &str, index: usize| Parameter {
+            name: name.into(),
+            scatter: Some([0.05, 0.5]),
+            ..plan.parameters[index].clone()
+        };
+        let scatters = [scattered("one", 0), scattered("other", 1)].map(|own| own.of_scatter().unwrap());
+        assert!(scatters[0].shares_a_key(&scatters[1]));
     }
 }

@@ -148,7 +148,9 @@ impl<'a> Drawn<'a> {
         unknown.test.is_none()
             && match self.plan.parameter_of(unknown).role {
                 Role::Key => self.taken.contains(&unknown.parameter),
-                Role::Break(_) | Role::Scatter(_) => matches!(self.breaks, Ok(Some(_))),
+                Role::Break(_) | Role::Scatter(_) => {
+                    matches!(self.breaks, Ok(Some(_))) && self.plan.rivals(unknown.parameter).next().is_none()
+                }
             }
     }
 
