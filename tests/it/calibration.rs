@@ -252,6 +252,16 @@ fn elements_limit_parameters_and_are_corrected_for() {
     }
 }
 
+/// Film that holds on its elements and breaks on half of them tells nothing of these; with an outcome it does not break.
+#[test]
+fn film_that_breaks_on_finer_elements_corrects_nothing() {
+    let (_, output) = run(&["drop", "finer"]);
+    let found = output.findings.iter().filter(|found| found.code == "mesh-not-checked");
+    let found: Vec<&str> = found.map(|found| found.message.as_str()).collect();
+    let is_told = |own: &&str| own.starts_with("breaks was not run") && own.contains("the film broke");
+    assert!(!found.is_empty() && found.iter().all(is_told), "{found:?}");
+}
+
 #[test]
 fn a_prediction_leaves_out_what_its_scenario_lacks() {
     let (_, output) = run(&["drop", "lacking"]);

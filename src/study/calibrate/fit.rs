@@ -377,21 +377,20 @@ fn add_contacts(
 ) -> HostResult<Vec<Warning>> {
     /// By so much is the impactor faster, m/s: well above what a run rounds, well below what its film notices.
     const FASTER: f64 = 0.02;
-    let trial = session.with_trial(session.cancellation());
     let faster = of_tests(plan, session, |test| {
         let own = &plan.tests[test];
         if !own.signals.iter().any(|signal| signal.errors.contact_errors()[1]) {
             return Ok(None);
         }
-        let study = own.study.with(plan.changes_with_breaks(test, values), session)?.faster(FASTER, session);
-        Ok(Some(own.simulated(&study, &trial)))
+        let study = own.compared_study().with(plan.changes(test, values), session)?.faster(FASTER, session);
+        Ok(Some(plan.simulated(test, &study, session)))
     })?;
     let mut warnings = Vec::new();
     for ((test, simulated), faster) in plan.tests.iter_mut().zip(simulated).zip(faster) {
         let faster = match faster.transpose() {
             Ok(found) => found,
-            Err(error) => {
-                warnings.push(Warning::RunFailed { test: test.name.clone(), cause: cause(&error) });
+            Err(cause) => {
+                warnings.push(Warning::RunFailed { test: test.name.clone(), cause });
                 None
             }
         };

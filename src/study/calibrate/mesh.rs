@@ -10,7 +10,7 @@ use super::parameter::Unknown;
 use super::plan::Plan;
 use super::verdict::{information, inverse};
 use super::warning::Warning;
-use crate::script::{HostResult, Session, cause, run_list};
+use crate::script::{HostResult, Session, run_list};
 use lab::signal::Series;
 
 /// Factors of the size of elements: the check, and the run that shows the order.
@@ -118,23 +118,22 @@ pub(super) struct Added {
     pub(super) change: f64,
 }
 
-/// The signals of a test on elements of this factor of their size, or why there are none; nothing of a test without elements.
+/// The signals of a test on elements of this factor of their size, or why there are none, as where its film breaks; nothing of a test without elements.
 type OnElements = Option<Result<Vec<Series>, String>>;
 
 /// Runs of all tests at these values on elements of these factors of their size: a row a test.
 fn on_elements(plan: &Plan, factors: &[f64], values: &[f64], session: &Session) -> HostResult<Vec<Vec<OnElements>>> {
-    let trial = session.with_trial(session.cancellation());
     let run = |(test, factor): &(usize, f64)| {
         let own = &plan.tests[*test];
         let is_compared = own.signals.iter().any(|signal| signal.distance.is_residuals());
         if own.pull.is_some() || !is_compared {
             return Ok(None);
         }
-        let study = own.study.with(plan.changes_with_breaks(*test, values), session)?;
+        let study = own.compared_study().with(plan.changes(*test, values), session)?;
         let Some(study) = study.with_elements(*factor, session) else {
             return Ok(Some(Err("its mesh is a file".to_owned())));
         };
-        Ok(Some(own.simulated(&study, &trial).map_err(|error| cause(&error))))
+        Ok(Some(plan.simulated(*test, &study, session)))
     };
     let jobs: Vec<(usize, f64)> =
         (0..plan.tests.len()).flat_map(|test| factors.iter().map(move |factor| (test, *factor))).collect();

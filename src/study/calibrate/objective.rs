@@ -60,7 +60,7 @@ impl<'a> CalibrationObjective<'a> {
                 Ok(found) => found,
                 Err(error) => return self.failed(own, error),
             };
-            if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
+            if let Some(rupture) = self.plan.rupture_in(session) {
                 return Evaluation::failed(rupture);
             }
             for (signal, simulated) in own.signals.iter().zip(&simulated).filter(|_| is_whole) {

@@ -14,6 +14,7 @@ use crate::identify::{Bounds, Method, Search, Starts};
 use crate::scenario_functions::{Changes, ScenarioHandle, Scenarios, changes_of};
 use crate::script::{HostResult, Options, Session, at_key, cause, number, refuse, refuse_key, refused_key};
 use base::units::Time;
+use lab::signal::Series;
 use uncertainty::design::{self, Levels};
 
 /// Share of the model's error with which a search begins that estimates it: the error of the study's own curves.
@@ -344,6 +345,18 @@ impl Plan {
     pub(super) fn has_contact_errors(&self) -> bool {
         let of = |signal: &Signal| signal.errors.contact_errors() != [false; 2];
         self.tests.iter().any(|test| test.signals.iter().any(of))
+    }
+
+    /// The rupture in the runs of a trial that makes it fail.
+    pub(super) fn rupture_in(&self, trial: &Session) -> Option<String> {
+        trial.trial().ruptures.into_iter().next().filter(|_| !self.keeps_ruptured)
+    }
+
+    /// The signals of a test by a run of a scenario, or why there are none, as where its film breaks.
+    pub(super) fn simulated(&self, test: usize, study: &Study, session: &Session) -> Result<Vec<Series>, String> {
+        let trial = session.with_trial(session.cancellation());
+        let found = self.tests[test].simulated(study, &trial).map_err(|error| cause(&error));
+        self.rupture_in(&trial).map_or(found, Err)
     }
 
     /// The tests on which an unknown acts.

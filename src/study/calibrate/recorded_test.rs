@@ -161,6 +161,11 @@ impl Test {
         Ok(vec![pulled::simulated(study, across, end)?])
     }
 
+    /// The scenario whose runs its signals are of: that of film which does not break where it has outcomes.
+    pub(super) fn compared_study(&self) -> &Study {
+        self.outcomes.as_ref().map_or(&self.study, |outcomes| &outcomes.study)
+    }
+
     /// All recordings of all signals.
     pub(super) fn recordings(&self) -> impl Iterator<Item = &Series> {
         self.signals.iter().flat_map(|signal| &signal.recordings)

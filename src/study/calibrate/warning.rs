@@ -64,7 +64,7 @@ findings! {
             test: String, "the test" => "test";
             cause: String, "why" => "cause";
         } = "mesh-not-checked" as MESH_NOT_CHECKED, Warning;
-            meaning "a test cannot be run on elements of half the size, so that nobody knows what its mesh moves the parameters by";
+            meaning "a test cannot be run on elements of half the size, or its film breaks there, so that nobody knows what its mesh moves the parameters by";
             remedy "run it on a finer mesh by hand, and compare";
             message "{test} was not run on finer elements, {cause}: intervals know nothing of the mesh";
         /// It fails where the posterior is.

@@ -503,8 +503,8 @@ impl<'a> Sampling<'a> {
         let values = self.values_at(test, point);
         let session = self.session.with_trial(self.session.cancellation());
         let (simulated, demands) = self.objective.simulated(test, &values, &session).map_err(|error| cause(&error))?;
-        if let Some(rupture) = session.trial().ruptures.first().filter(|_| !self.plan.keeps_ruptured) {
-            return Err(rupture.clone());
+        if let Some(rupture) = self.plan.rupture_in(&session) {
+            return Err(rupture);
         }
         let own = &self.plan.tests[test];
         let mut all = Vec::new();
