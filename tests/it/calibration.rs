@@ -107,6 +107,7 @@ thorough::cases!(holds {
     a_drop_breaks_film_whose_break_strain_its_demand_exceeds: &["drop", "verge"];
     a_time_of_rupture_and_a_failure_mass_lead_to_the_break_strain: &["drop", "break-strain"];
     candidates_break_at_the_calibrated_strain: &["drop", "candidate"];
+    candidates_may_have_the_error_of_tests: &["shared"];
     predictions_break_as_often_as_the_likelihood_says: &["drop", "both-ways"];
     signals_beside_outcomes_are_those_of_film_that_holds: &["drop", "beside"];
     contacts_and_speeds_that_are_off_move_no_parameter_beyond_its_interval: &["contacts"];

@@ -7,7 +7,7 @@ use super::bindings::Calibrated;
 use super::error_model::Noise;
 use super::objective::CalibrationObjective;
 use super::pulled;
-use super::recorded_test::{Test, Tolerances};
+use super::recorded_test::{Test, Tolerances, share_errors};
 use super::verdict::{self, Verdict};
 use super::warning::Warning;
 use crate::script::{HostResult, Options, Row, object, refuse, run_list};
@@ -33,20 +33,31 @@ pub(super) fn compared(candidates: &Array, done: &Calibrated<'_>) -> HostResult<
     let mut rows = Vec::new();
     // Whether the tests leave an unknown open, how much is gained, and of what.
     let mut best: Option<(bool, f64, Warning)> = None;
-    let ends = CalibrationObjective::new(plan, fit.share, session).ends();
+    let objective = CalibrationObjective::new(plan, fit.share, session);
+    let ends = objective.ends();
     for given in candidates {
         let mut test = candidate(given, done)?;
         let repeated = plan.tests.iter().position(|own| is_repeat(&test, own));
-        let mut information = verdict::information(plan, &fit.jacobian);
+        let mut tests = plan.tests.clone();
         if let Some(index) = repeated {
             // One more recording of a test has less noise, and the same error of the model.
-            let rows = fit.jacobian.rows(ends[index], ends[index + 1] - ends[index]);
-            information -= rows.tr_mul(&rows);
-            test = Test { name: test.name, ..plan.tests[index].clone() };
+            test = Test { name: test.name, ..tests[index].clone() };
             test.signals.iter_mut().for_each(|own| own.errors.repeat(own.recordings.len()));
+            // Its signals with it stand for those without.
+            tests[index].of_signals = 0.0;
         }
-        let added = derivatives(&test, repeated, done)?;
-        information += added.tr_mul(&added);
+        tests.push(test);
+        if repeated.is_none() {
+            share_errors(&mut tests);
+        }
+        let mut known = fit.jacobian.clone();
+        for (place, (now, then)) in plan.tests.iter().zip(&tests).enumerate() {
+            let mut rows = known.rows_mut(ends[place], objective.compared(place));
+            rows *= (then.of_signals / now.of_signals).sqrt();
+        }
+        let test = &tests[plan.tests.len()];
+        let added = derivatives(test, repeated, done)?;
+        let information = verdict::information(plan, &known) + added.tr_mul(&added);
         let covariance = verdict::inverse(&information);
         for (index, unknown) in plan.unknowns.iter().enumerate() {
             let alone = information[(index, index)].sqrt().recip();
@@ -136,7 +147,8 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
         let [low, high] = plan.parameter_at(*index).within;
         values[*index] = (values[*index] + sign * step(*index)).clamp(low, high);
         let shared = || plan.shared_changes(&values, &taken);
-        let study = test.study.with(repeated.map_or_else(shared, |own| plan.changes(own, &values)), session)?;
+        let changes = repeated.map_or_else(shared, |own| plan.changes(own, &values));
+        let study = test.compared_study().with(changes, session)?;
         let simulated = test.simulated(&study, session)?;
         let mut residuals = vec![values[*index]];
         for (signal, simulated) in test.signals.iter().zip(&simulated) {
@@ -154,5 +166,5 @@ fn derivatives(test: &Test, repeated: Option<usize>, done: &Calibrated<'_>) -> H
             jacobian[(row, *index)] = slope * (up[row + 1] - down[row + 1]) / (up[0] - down[0]);
         }
     }
-    Ok(jacobian * test.weight.sqrt())
+    Ok(jacobian * (test.weight * test.of_signals).sqrt())
 }

@@ -8,6 +8,7 @@ use super::fit::{Fit, ended, labels};
 use super::objective::CalibrationObjective;
 use super::parameter::Unknown;
 use super::plan::Plan;
+use super::test::share_errors;
 use super::warning::Warning;
 use crate::identify::{HostSearch, SearchResult, StartResult};
 use crate::script::{HostResult, Row, cause, object, one_or_several, refuse, run_list};
@@ -80,6 +81,7 @@ fn without(plan: &Plan, group: &[usize]) -> HostResult<Plan> {
     }
     let mut own = plan.clone();
     group.iter().for_each(|test| own.tests[*test].weight = 0.0);
+    share_errors(&mut own.tests);
     // What is an unknown of these tests alone would be searched without a test.
     let has_none = |unknown: &&Unknown| plan.tests_of(unknown).iter().all(|test| group.contains(test));
     match own.unknowns.iter().find(has_none) {

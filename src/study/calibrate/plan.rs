@@ -437,11 +437,7 @@ fn tests(
     let listed = listed.ok_or_else(|| refuse("`tests` of calibrate must be an array of one test or more"))?;
     let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
     let mut tests = tests.collect::<HostResult<Vec<_>>>()?;
-    let words: Vec<Option<String>> = tests.iter().map(|test| test.shared_error.clone()).collect();
-    for test in tests.iter_mut().filter(|test| test.shared_error.is_some()) {
-        // Together they tell as much as their mean (methods.md, section 28).
-        test.of_signals = 1.0 / words.iter().filter(|word| **word == test.shared_error).count() as f64;
-    }
+    test::share_errors(&mut tests);
     for (place, test) in tests.iter().enumerate() {
         if tests[..place].iter().any(|other| other.name == test.name) {
             return Err(refuse!("two tests are called `{}`: give one a `name`", test.name));
@@ -639,6 +635,17 @@ mod tests {
         let td = 0.025_f64.sqrt();
         assert!(is_near(&of(0), [0.7, 0.9], [0.2, td]), "{:?}", of(0));
         assert!(is_near(&of(1), [0.5, 0.9], [0.3, td]), "{:?}", of(1));
+    }
+
+    #[test]
+    fn a_test_without_weight_shares_no_error() {
+        let mut tests = drops().tests;
+        tests.iter_mut().for_each(|test| test.shared_error = Some("tower".into()));
+        test::share_errors(&mut tests);
+        assert_eq!([tests[0].of_signals, tests[1].of_signals], [0.5; 2]);
+        tests[0].weight = 0.0;
+        test::share_errors(&mut tests);
+        assert_eq!(tests[1].of_signals, 1.0);
     }
 
     /// Of film in no test it is not known which of the two it has; nor, where it is estimated, which of two scatters.

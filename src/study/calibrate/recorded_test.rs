@@ -181,6 +181,16 @@ impl Test {
     }
 }
 
+/// Says of tests that have the model's error in common what that leaves of the weight of their signals: together they tell as much
+/// as their mean (methods.md, section 28). A test without weight is none of them.
+pub(super) fn share_errors(tests: &mut [Test]) {
+    let counts = |test: &&Test| test.weight > 0.0 && test.shared_error.is_some();
+    let words: Vec<Option<String>> = tests.iter().filter(counts).map(|test| test.shared_error.clone()).collect();
+    for test in tests.iter_mut().filter(|test| counts(&&**test)) {
+        test.of_signals = 1.0 / words.iter().filter(|word| **word == test.shared_error).count() as f64;
+    }
+}
+
 /// How the recordings of a test are read.
 struct Reading<'a> {
     over: Option<&'static Column>,

@@ -546,6 +546,7 @@ impl ErrorModel {
     pub(super) fn repeat(&mut self, recordings: usize) {
         let factor = (recordings as f64 / (recordings as f64 + 1.0)).sqrt();
         self.recorded.iter_mut().for_each(|own| *own *= factor);
+        self.counts.iter_mut().for_each(|own| *own /= factor * factor);
         for (error, own) in &mut self.of_contact {
             *error *= factor;
             *own *= factor;

@@ -70,6 +70,17 @@ fn a_short_recording_has_noise() {
     assert!(both.recorded.iter().all(|noise| (0.2..2.0).contains(noise)), "{:?}", both.recorded);
 }
 
+/// The roughness of the model's error that a recording shows is in the mean of two half as much.
+#[test]
+fn a_repeated_recording_counts_as_two() {
+    let one = half_wave(1.5, 3);
+    let mut repeated = model(&one, ROUGH);
+    repeated.repeat(1);
+    let both = of(&[&one, &one], Noise::FromRecording, ROUGH).unwrap();
+    let pairs = repeated.spectrum.eigenvalues.iter().zip(&both.spectrum.eigenvalues);
+    assert!(pairs.clone().all(|(own, two)| (own - two).abs() < 1e-9 * two.abs().max(1.0)), "{:?}", repeated.spectrum);
+}
+
 /// Covariances of means over bins of an exponential correlation have a closed form.
 #[test]
 fn means_of_an_exponential_error_have_their_closed_covariance() {
