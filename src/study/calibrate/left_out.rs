@@ -8,7 +8,7 @@ use super::fit::{Fit, ended, labels};
 use super::objective::CalibrationObjective;
 use super::parameter::Unknown;
 use super::plan::Plan;
-use super::test::share_errors;
+use super::recorded_test::share_errors;
 use super::warning::Warning;
 use crate::identify::{HostSearch, SearchResult, StartResult};
 use crate::script::{HostResult, Row, cause, object, one_or_several, refuse, run_list};

@@ -254,7 +254,9 @@ pub(super) fn sizes(plan: &Plan, unknown: &Unknown, shift: f64, half: f64) -> Ve
             return None;
         }
         let order = test.signals.iter().filter_map(|signal| signal.errors.mesh_order()).fold(ORDERS[1], f64::min);
-        let factor = if is_compared { (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER) } else { FINER };
+        // Where elements are coarse in contact, no order tells how much finer they must be.
+        let is_told = is_compared && !plan.mesh.coarse.contains(&place);
+        let factor = if is_told { (half / shift.abs()).powf(order.recip()).clamp(0.1, FINER) } else { FINER };
         let own = test.study.smallest_element()?;
         Some(format!("{} mm for {}", significant(1e3 * factor * own, 2), test.name))
     };

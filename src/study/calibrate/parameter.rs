@@ -113,6 +113,9 @@ impl Parameter {
         for (end, value) in within.iter_mut().zip(&ends) {
             *end = number_in(unit.as_deref(), "within", value)?;
         }
+        if within[0] >= within[1] {
+            return Err(refuse!("`within` is [{}, {}]: its first end must be the lower one", within[0], within[1]));
+        }
         let prior = map.get("prior").map(|given| prior(given, unit.as_deref())).transpose()?;
         let mut of_prior = "";
         if let Some(prior) = &prior {

@@ -353,7 +353,7 @@ impl Plan {
     }
 
     /// The signals of a test by a run of a scenario, or why there are none, as where its film breaks.
-    pub(super) fn simulated(&self, test: usize, study: &Study, session: &Session) -> Result<Vec<Series>, String> {
+    pub(super) fn simulated(&self, test: usize, study: &ScenarioHandle, session: &Session) -> Result<Vec<Series>, String> {
         let trial = session.with_trial(session.cancellation());
         let found = self.tests[test].simulated(study, &trial).map_err(|error| cause(&error));
         self.rupture_in(&trial).map_or(found, Err)
@@ -437,7 +437,7 @@ fn tests(
     let listed = listed.ok_or_else(|| refuse("`tests` of calibrate must be an array of one test or more"))?;
     let tests = listed.iter().map(|given| Test::read(given, scenarios, tolerances, session));
     let mut tests = tests.collect::<HostResult<Vec<_>>>()?;
-    test::share_errors(&mut tests);
+    recorded_test::share_errors(&mut tests);
     for (place, test) in tests.iter().enumerate() {
         if tests[..place].iter().any(|other| other.name == test.name) {
             return Err(refuse!("two tests are called `{}`: give one a `name`", test.name));

@@ -162,7 +162,7 @@ impl Test {
     }
 
     /// The scenario whose runs its signals are of: that of film which does not break where it has outcomes.
-    pub(super) fn compared_study(&self) -> &Study {
+    pub(super) fn compared_study(&self) -> &ScenarioHandle {
         self.outcomes.as_ref().map_or(&self.study, |outcomes| &outcomes.study)
     }
 

@@ -131,7 +131,9 @@ pub(super) fn left_out_starts(search: &Search, left_out: Vec<(Vec<f64>, String)>
 pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[StartResult]) -> Vec<Warning> {
     let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
     let is_elsewhere = |other: &&StartResult| {
-        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(100.0 * search.tol_x);
+        // Levenberg–Marquardt ends where x changes by less than this share of itself, the others at this distance.
+        let found = |b: f64| 10.0 * search.tol_x * if search.method == Method::LevenbergMarquardt { b } else { 1.0 };
+        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(found(b.abs()));
         !is_higher(other) && other.x.iter().zip(&best.x).any(differs)
     };
     let starts = results.len();

@@ -594,6 +594,11 @@ impl ErrorModel {
         Ok(self.difference(simulated)?.norm() / self.measured.norm())
     }
 
+    /// The same of the signal as simulated, without the correction for its elements.
+    pub(super) fn relative_error_as_simulated(&self, simulated: &Series) -> Result<f64, String> {
+        Ok((DVector::from_vec(self.means(simulated)?) - &self.measured).norm() / self.measured.norm())
+    }
+
     /// Independent residuals of unit variance of differences over the noise, for a model's error of `share`.
     pub(super) fn whitened(&self, scaled: &DVector<f64>, share: f64) -> Vec<f64> {
         let rotated = &*self.spectrum.basis * scaled;
