@@ -641,10 +641,10 @@ mod tests {
     fn a_test_without_weight_shares_no_error() {
         let mut tests = drops().tests;
         tests.iter_mut().for_each(|test| test.shared_error = Some("tower".into()));
-        test::share_errors(&mut tests);
+        recorded_test::share_errors(&mut tests);
         assert_eq!([tests[0].of_signals, tests[1].of_signals], [0.5; 2]);
         tests[0].weight = 0.0;
-        test::share_errors(&mut tests);
+        recorded_test::share_errors(&mut tests);
         assert_eq!(tests[1].of_signals, 1.0);
     }
 
