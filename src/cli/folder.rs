@@ -208,7 +208,7 @@ impl<'a> Files<'a> {
         let Contents { model, outcome, scenario, failure, .. } = *contents;
         let (path, files) = (self.draft.path().join(run_files::RECORDING), self.names.clone());
         self.later.push(Box::new(move || {
-            report::recording::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &files })
+            viz::write(&path, &RunPage { model, outcome, results, scenario, failure, files: &files })
                 .map_err(|error| StoreError::write(&path, io::Error::other(error.to_string())))
         }));
         self.names.push(run_files::RECORDING.into());

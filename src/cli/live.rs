@@ -6,8 +6,8 @@ use super::progress::Bar;
 use super::scenarios::Checked;
 use base::diagnostic::Diagnostic;
 use report::RunPage;
-use report::recording::{Address, Live, LiveError};
 use scene::simulate::SnapshotEvent;
+use viz::{Address, Live, LiveError};
 
 /// The viewer that shows runs.
 pub(super) struct Viewer {

@@ -8,24 +8,24 @@ use std::collections::HashMap;
 use nalgebra::{Isometry3, Vector3};
 use serde_json::{Map, Value, json};
 
-use crate::scene_picture::{CREASES, FRAME, ScenePicture, drawn, posed, poses};
+use crate::scene_picture::{CREASES, FRAME, ScenePicture};
 use plot::viridis::viridis;
-use report::{SceneBody, SceneFace};
+use report::geometry::{SceneBody, SceneFace, Vertices, corner_normals, poses};
 use scene::simulate::{FilmState, Image};
 
-/// A surface of triangles.
+/// A surface of patches.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Its name in the file.
     pub name: String,
-    /// Points, m, z up; those of no triangle are left out.
-    pub points: Vec<[f32; 3]>,
-    /// Points at the corners of each triangle, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
+    /// Points, m, z up; those of no patch are left out.
+    pub points: Vec<Vector3<f64>>,
+    /// Points at the corners of each patch, counter-clockwise seen from outside; a triangle has its last corner twice.
+    pub patches: Vec<[u32; 4]>,
     /// How it looks.
     pub look: Look,
-    /// Cosine of the angle between neighbouring triangles up to which the edge between them looks smooth.
-    pub crease: f32,
+    /// Cosine of the angle between neighbouring patches up to which the edge between them looks smooth.
+    pub crease: f64,
 }
 
 /// Lines, each of two points; programs draw them one pixel wide and without light.
@@ -75,10 +75,15 @@ struct File {
 
 impl File {
     fn add(&mut self, surface: &Surface) {
-        let Vertices { positions, normals, points, indices } = Vertices::from_surface(surface);
-        if indices.is_empty() {
+        let drawn = vec![true; surface.patches.len()];
+        let normals = corner_normals(&surface.points, &surface.patches, &drawn, surface.crease);
+        let Vertices { points, normals, triangles } = Vertices::new(&surface.patches, &normals, |c| c as f32);
+        if triangles.is_empty() {
             return;
         }
+        let at = |point: &u32| upright(surface.points[*point as usize].map(|c| c as f32).into());
+        let positions: Vec<[f32; 3]> = points.iter().map(at).collect();
+        let normals: Vec<[f32; 3]> = normals.into_iter().map(upright).collect();
         let mut attributes = json!({
             "POSITION": self.vectors(&positions, true),
             "NORMAL": self.vectors(&normals, false),
@@ -104,7 +109,7 @@ impl File {
             }
         };
         let indices = self.accessor(
-            &indices.concat(),
+            &triangles.concat(),
             u32::to_le_bytes,
             ELEMENT_ARRAY_BUFFER,
             |count| json!({ "componentType": UNSIGNED_INT, "type": "SCALAR", "count": count }),
@@ -114,7 +119,7 @@ impl File {
     }
 
     fn add_lines(&mut self, lines: &Lines) {
-        let points: Vec<[f32; 3]> = lines.ends.iter().flatten().map(upright).collect();
+        let points: Vec<[f32; 3]> = lines.ends.iter().flatten().copied().map(upright).collect();
         if points.is_empty() {
             return;
         }
@@ -205,55 +210,9 @@ impl File {
     }
 }
 
-/// The vertices of a surface: a point once for each normal that it has.
-struct Vertices {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    /// Point of the surface that each is.
-    points: Vec<u32>,
-    indices: Vec<[u32; 3]>,
-}
-
-impl Vertices {
-    fn from_surface(surface: &Surface) -> Vertices {
-        let points: Vec<[f32; 3]> = surface.points.iter().map(upright).collect();
-        let at = |point: u32| Vector3::from(points[point as usize]);
-        // Their lengths are twice the areas. A triangle without one shows nothing.
-        let with_normal = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(at);
-            let normal = (b - a).cross(&(c - a));
-            (normal.norm() > 0.0 && normal.norm().is_finite()).then_some((*corners, normal))
-        };
-        let triangles: Vec<([u32; 3], Vector3<f32>)> = surface.triangles.iter().filter_map(with_normal).collect();
-        let mut around: Vec<Vec<u32>> = vec![vec![]; points.len()];
-        for (number, (corners, _)) in (0..).zip(&triangles) {
-            corners.iter().for_each(|point| around[*point as usize].push(number));
-        }
-        let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
-        let mut vertices = Vertices { positions: vec![], normals: vec![], points: vec![], indices: vec![] };
-        for (corners, own) in &triangles {
-            let vertex = |point: u32| {
-                let neighbours = around[point as usize].iter().map(|number| triangles[*number as usize].1);
-                let smooth = neighbours.filter(|other| other.dot(own) >= surface.crease * other.norm() * own.norm());
-                let normal =
-                    <[f32; 3]>::from(smooth.sum::<Vector3<f32>>().try_normalize(0.0).unwrap_or(own.normalize()));
-                *known.entry((point, normal.map(f32::to_bits))).or_insert_with(|| {
-                    vertices.positions.push(points[point as usize]);
-                    vertices.normals.push(normal);
-                    vertices.points.push(point);
-                    vertices.points.len() as u32 - 1
-                })
-            };
-            let corners = corners.map(vertex);
-            vertices.indices.push(corners);
-        }
-        vertices
-    }
-}
-
 /// A point whose z points up with y upwards.
-fn upright([x, y, z]: &[f32; 3]) -> [f32; 3] {
-    [*x, *z, -*y]
+fn upright([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [x, z, -y]
 }
 
 /// A part of a colour in sRGB (0 to 255) as linear light (0 to 1), IEC 61966-2-1.
@@ -271,7 +230,7 @@ impl ScenePicture<'_> {
         let faces = self.scene.faces.iter().zip(&self.state.films);
         let film = (1..).zip(faces).map(|(number, (face, film))| self.film(number, face, film));
         let bodies = self.scene.bodies.iter().zip(poses(self.state));
-        film.chain((1..).zip(bodies).map(|(number, (part, pose))| body(number, part, &pose))).collect()
+        film.chain((1..).zip(bodies).map(|(number, (part, pose))| body(number, part, pose))).collect()
     }
 
     /// The springs of the frame, a set of lines a face.
@@ -292,16 +251,16 @@ impl ScenePicture<'_> {
     /// A face and its mirror images, which share the nodes on the planes between them.
     fn film(&self, number: usize, face: &SceneFace, film: &FilmState) -> Surface {
         let [low, high] = self.range;
-        let values = self.field.at_nodes(face.nodes, face.patches.iter().copied(), film);
-        let drawn = drawn(face, film);
-        let (mut points, mut colours, mut triangles) = (vec![], vec![], vec![]);
+        let values = self.field.at_nodes(face, film);
+        let drawn = face.drawn(film);
+        let (mut points, mut colours, mut patches) = (vec![], vec![], vec![]);
         let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
         for image in self.images(face) {
             let mut point = |node: u32| {
                 // Minus zero is zero.
                 let place = image.reflect(film.positions[node as usize]).map(|c| c + 0.0);
                 *known.entry((node, place.map(f32::to_bits))).or_insert_with(|| {
-                    points.push(place);
+                    points.push(Vector3::from(place.map(f64::from)));
                     colours.push(viridis((values[node as usize] - low) / (high - low)));
                     points.len() as u32 - 1
                 })
@@ -312,48 +271,41 @@ impl ScenePicture<'_> {
                     corners.swap(0, 1);
                     corners.swap(2, 3);
                 }
-                triangles.extend(halves(corners));
+                patches.push(corners);
             }
         }
-        let crease = CREASES[0] as f32;
-        Surface { name: format!("film {number}"), points, triangles, look: Look::Film(colours), crease }
+        Surface { name: format!("film {number}"), points, patches, look: Look::Film(colours), crease: CREASES[0] }
     }
 }
 
-fn body(number: usize, body: &SceneBody, pose: &Isometry3<f64>) -> Surface {
-    let points = body.points.iter().map(|place| <[f64; 3]>::from(posed(pose, place)).map(|c| c as f32));
-    let triangles = body.patches.iter().flat_map(|patch| halves(*patch));
+fn body(number: usize, body: &SceneBody, pose: Isometry3<f64>) -> Surface {
     Surface {
         name: format!("body {number}"),
-        points: points.collect(),
-        triangles: triangles.collect(),
+        points: body.placed(pose).collect(),
+        patches: body.patches.clone(),
         look: Look::Body(BODY),
-        crease: CREASES[1] as f32,
+        crease: CREASES[1],
     }
-}
-
-/// The triangles of a patch, of which one has no area where the patch is a triangle.
-fn halves([p, q, r, s]: [u32; 4]) -> [[u32; 3]; 2] {
-    [[p, q, r], [p, r, s]]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Two triangles of a square in z = 1 and one that is upright at its edge; the last point is that of no triangle.
-    fn folded(crease: f32) -> Surface {
+    /// A square in z = 1 and a triangle that is upright at its edge; the last point is that of neither.
+    fn folded(crease: f64) -> Surface {
         let points = vec![
             [0.0, 0.0, 1.0],
             [1.0, 0.0, 1.0],
             [1.0, 1.0, 1.0],
             [0.0, 1.0, 1.0],
             [1.0, 0.5, 2.0],
-            [f32::NAN, 0.0, 0.0],
+            [f64::NAN, 0.0, 0.0],
         ];
+        let points = points.into_iter().map(Vector3::from).collect();
         let colours = vec![[255.0, 0.0, 0.0]; 6];
-        let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 4, 2]];
-        Surface { name: "film".into(), points, triangles, look: Look::Film(colours), crease }
+        let patches = vec![[0, 1, 2, 3], [1, 4, 2, 2]];
+        Surface { name: "film".into(), points, patches, look: Look::Film(colours), crease }
     }
 
     /// JSON and bytes of a file, whose lengths are those that it states.
@@ -411,7 +363,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_anything_to_show_is_a_file_still() {
-        let nothing = Surface { triangles: vec![[0, 0, 1]], ..folded(0.5) };
+        let nothing = Surface { patches: vec![[0, 0, 1, 1]], ..folded(0.5) };
         let notes = Map::from_iter([("time_s".to_owned(), json!(0.057))]);
         let none = Lines { name: "springs".into(), ends: vec![], colour: [0.0; 3] };
         let file = binary(&[nothing], &[none], notes);

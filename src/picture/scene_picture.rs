@@ -1,8 +1,6 @@
 //! The scene of a run in one state: film coloured by a field, translucent impactors, the frame.
 
-use std::collections::BTreeMap;
-
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
 use crate::camera::{Camera, View};
 use crate::drawing::{self, Drawing, PictureError, Placed};
@@ -11,8 +9,8 @@ use crate::round;
 use crate::setting::{Setting, Words};
 use plot::Style;
 use plot::viridis::viridis;
-use report::{Field, RunScene, SceneBody, SceneFace};
-use scene::simulate::{FilmState, Image, Snapshot};
+use report::geometry::{Field, RunScene, SceneBody, SceneFace, corner_normals, poses};
+use scene::simulate::{Image, Snapshot};
 
 /// Most patches, mirror images included, whose edges are drawn.
 const MOST_OUTLINED: usize = 4_000;
@@ -31,9 +29,6 @@ const APART: f64 = 0.06;
 
 /// Distance behind film, over its extent, from which on an impactor is behind it.
 const BEHIND: f64 = 0.01;
-
-/// Motion of held film, over its extent, that is round-off.
-const STILL: f64 = 1e-4;
 
 /// Cosines of the angles up to which folds of film and edges of bodies look smooth.
 pub(super) const CREASES: [f64; 2] = [0.5, 0.8];
@@ -123,16 +118,13 @@ impl ScenePicture<'_> {
     /// near to it, not above where they are at first.
     fn extent(&self) -> Vec<Vector3<f64>> {
         let states = some_of(&self.scene.states, MOST_OF_EXTENT);
-        let held: Vec<Vec<[u32; 2]>> =
-            (0..self.scene.faces.len()).map(|number| held_edges(self.scene, number)).collect();
-        let mut points: Vec<Vector3<f64>> = states.iter().flat_map(|state| self.film_points(state, &held)).collect();
+        let mut points: Vec<Vector3<f64>> = states.iter().flat_map(|state| self.film_points(state)).collect();
         let Some(first) = points.first().copied() else { return points };
         let [mut low, mut high] =
             points.iter().fold([first; 2], |[low, high], point| [low.inf(point), high.sup(point)]);
         let [beside, above] = BESIDE.map(|share| share * (high - low).max());
         let bodies = |state: &Snapshot| -> Vec<Vector3<f64>> {
-            let bodies = self.scene.bodies.iter().zip(poses(state));
-            bodies.flat_map(|(body, pose)| body.points.iter().map(move |place| posed(&pose, place))).collect()
+            self.scene.bodies.iter().zip(poses(state)).flat_map(|(body, pose)| body.placed(pose)).collect()
         };
         let top = bodies(states[0]).iter().map(|point| point.z).fold(high.z, f64::max).min(high.z + above);
         low -= Vector3::from_element(beside);
@@ -141,9 +133,9 @@ impl ScenePicture<'_> {
         points
     }
 
-    fn film_points(&self, state: &Snapshot, held: &[Vec<[u32; 2]>]) -> impl Iterator<Item = Vector3<f64>> {
-        self.scene.faces.iter().zip(&state.films).zip(held).flat_map(move |((face, film), held)| {
-            let nodes = attached(face, &drawn(face, film), held);
+    fn film_points(&self, state: &Snapshot) -> impl Iterator<Item = Vector3<f64>> {
+        self.scene.faces.iter().zip(&state.films).flat_map(move |(face, film)| {
+            let nodes = attached(face, &face.drawn(film));
             let places = film.positions.iter().zip(&nodes).filter(|(_, is_used)| **is_used).map(|(place, _)| *place);
             let places: Vec<[f32; 3]> = places.chain(face.springs.iter().map(|spring| spring.anchor)).collect();
             self.images(face)
@@ -162,36 +154,19 @@ fn point(place: [f32; 3]) -> Vector3<f64> {
     Vector3::from(place.map(f64::from))
 }
 
-pub(super) fn poses(state: &Snapshot) -> impl Iterator<Item = Isometry3<f64>> {
-    state.impactors.iter().map(|(position, [i, j, k, w])| {
-        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(*w, *i, *j, *k));
-        Isometry3::from_parts(Translation3::from(*position), rotation)
-    })
-}
-
-pub(super) fn posed(pose: &Isometry3<f64>, place: &[f32; 3]) -> Vector3<f64> {
-    pose.transform_point(&Point3::from(point(*place))).coords
-}
-
-/// Whether each patch is drawn: it has not failed, and its corners are somewhere.
-pub(super) fn drawn(face: &SceneFace, film: &FilmState) -> Vec<bool> {
-    let is_finite = |node: &u32| film.positions[*node as usize].iter().all(|c| c.is_finite());
-    let patches = face.patches.iter().zip(&film.failed);
-    patches.map(|(patch, failed)| !failed && patch.iter().all(is_finite)).collect()
-}
-
 /// Nodes of the film that is drawn and connected to its held edges; of all that is drawn where nothing is held. Scraps fly
 /// anywhere.
-fn attached(face: &SceneFace, drawn: &[bool], held: &[[u32; 2]]) -> Vec<bool> {
+fn attached(face: &SceneFace, drawn: &[bool]) -> Vec<bool> {
     let mut around: Vec<Vec<u32>> = vec![vec![]; face.nodes];
     for (at, patch) in face.patches.iter().enumerate().filter(|(at, _)| drawn[*at]) {
         patch.iter().for_each(|node| around[*node as usize].push(at as u32));
     }
-    if held.is_empty() {
+    if face.held.is_empty() {
         return around.iter().map(|patches| !patches.is_empty()).collect();
     }
     let mut nodes = vec![false; face.nodes];
-    let mut next: Vec<u32> = held.iter().flatten().copied().filter(|node| !around[*node as usize].is_empty()).collect();
+    let mut next: Vec<u32> =
+        face.held.iter().flatten().copied().filter(|node| !around[*node as usize].is_empty()).collect();
     while let Some(node) = next.pop() {
         if !std::mem::replace(&mut nodes[node as usize], true) {
             let patches = around[node as usize].iter().map(|at| face.patches[*at as usize]);
@@ -199,27 +174,6 @@ fn attached(face: &SceneFace, drawn: &[bool], held: &[[u32; 2]]) -> Vec<bool> {
         }
     }
     nodes
-}
-
-/// Edges of the mesh that never move: those that the frame holds.
-fn held_edges(scene: &RunScene, number: usize) -> Vec<[u32; 2]> {
-    let face = &scene.faces[number];
-    let states = some_of(&scene.states, MOST_OF_EXTENT);
-    let positions = |state: &Snapshot, node: u32| state.films[number].positions[node as usize];
-    let first = |node: u32| positions(states[0], node);
-    let corners = || face.patches.iter().flatten().map(|node| point(first(*node)));
-    let extent = corners().next().map_or(0.0, |start| corners().map(|end| (end - start).norm()).fold(0.0, f64::max));
-    let moved = |state: &&Snapshot, node: u32| (point(positions(state, node)) - point(first(node))).norm();
-    let stays = |node: u32| states.iter().all(|state| moved(state, node) <= STILL * extent);
-    let on_plane = |node: u32, axis: usize| face.mirrored[axis] && first(node)[axis].abs() < 1e-6;
-    let is_mirror = |[a, b]: &[u32; 2]| (0..2).any(|axis| on_plane(*a, axis) && on_plane(*b, axis));
-    let mut uses: BTreeMap<[u32; 2], usize> = BTreeMap::new();
-    for patch in &face.patches {
-        let sides = (0..4).map(|at| [patch[at], patch[(at + 1) % 4]]).filter(|[a, b]| a != b);
-        sides.for_each(|[a, b]| *uses.entry([a.min(b), a.max(b)]).or_default() += 1);
-    }
-    let edges = uses.into_iter().filter(|(_, uses)| *uses == 1).map(|(edge, _)| edge);
-    edges.filter(|edge| edge.iter().all(|node| stays(*node)) && !is_mirror(edge)).collect()
 }
 
 /// A scene before a camera.
@@ -239,14 +193,13 @@ impl Stage<'_> {
         let images: usize = scene.faces.iter().map(|face| face.patches.len() * self.picture.images(face).count()).sum();
         let edge = if images <= MOST_OUTLINED { EDGE_WIDTHS[0] * self.pixels_per_point } else { 0.0 };
         for (number, (face, film)) in scene.faces.iter().zip(&state.films).enumerate() {
-            let values = self.picture.field.at_nodes(face.nodes, face.patches.iter().copied(), film);
-            let held = held_edges(scene, number);
+            let values = self.picture.field.at_nodes(face, film);
             for image in self.picture.images(face) {
                 let points: Vec<Vector3<f64>> =
                     film.positions.iter().map(|place| point(image.reflect(*place))).collect();
                 let sheet = Sheet { number, face, points: &points, is_reversed: image.is_reversed() };
-                self.sheet(&sheet, &drawn(face, film), &values, edge as f32, &mut triangles);
-                held.iter().for_each(|edge| {
+                self.sheet(&sheet, &face.drawn(film), &values, edge as f32, &mut triangles);
+                face.held.iter().for_each(|edge| {
                     self.line(edge.map(|node| points[node as usize]), EDGE_WIDTHS[1], &mut triangles);
                 });
                 face.spring_lines(film).for_each(|ends| {
@@ -255,7 +208,7 @@ impl Stage<'_> {
             }
         }
         for (number, (body, pose)) in scene.bodies.iter().zip(poses(state)).enumerate() {
-            self.body(body, &pose, !self.moves(number), &mut triangles);
+            self.body(body, pose, !self.moves(number), &mut triangles);
         }
         triangles
     }
@@ -264,12 +217,12 @@ impl Stage<'_> {
     fn sheet(&self, sheet: &Sheet<'_>, drawn: &[bool], values: &[f32], edge: f32, out: &mut Vec<Triangle>) {
         let Sheet { number, face, points, is_reversed } = *sheet;
         let [low, high] = self.picture.range;
-        let normals = round::at_corners(points, &face.patches, drawn, CREASES[0]);
+        let normals = corner_normals(points, &face.patches, drawn, CREASES[0]);
         let patches = face.patches.iter().zip(&normals).zip(drawn).filter(|(_, drawn)| **drawn);
         for ((patch, normals), _) in patches {
             let corners = patch.map(|node| &points[node as usize]);
             let size = (corners[2] - corners[0]).norm().max((corners[3] - corners[1]).norm());
-            let facing = round::normal(points, *patch).dot(&self.camera.near());
+            let facing = (corners[2] - corners[0]).cross(&(corners[3] - corners[1])).dot(&self.camera.near());
             let upward = if is_reversed { -facing } else { facing };
             // Of faces in contact with each other the first is the upper one, seen from either side.
             let under = APART * size * (number + 1) as f64 * upward.signum();
@@ -284,10 +237,9 @@ impl Stage<'_> {
     }
 
     /// The sides of a body that face the eye, translucent unless it is fixed. A fixed one is behind the film that lies on it.
-    fn body(&self, body: &SceneBody, pose: &Isometry3<f64>, is_fixed: bool, out: &mut Vec<Triangle>) {
-        let points: Vec<Vector3<f64>> = body.points.iter().map(|place| posed(pose, place)).collect();
-        let all = vec![true; body.patches.len()];
-        let normals = round::at_corners(&points, &body.patches, &all, CREASES[1]);
+    fn body(&self, body: &SceneBody, pose: Isometry3<f64>, is_fixed: bool, out: &mut Vec<Triangle>) {
+        let points: Vec<Vector3<f64>> = body.placed(pose).collect();
+        let normals = corner_normals(&points, &body.patches, &vec![true; body.patches.len()], CREASES[1]);
         let behind = if is_fixed { self.behind } else { 0.0 } * self.camera.near();
         let rounded = body.patches.iter().zip(&normals).flat_map(|(patch, normals)| {
             round::rounded(patch.map(|corner| points[corner as usize]), *normals, patch[2] == patch[3])

@@ -1,6 +1,6 @@
 //! Surfaces coarsened to few enough patches for a page.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// A surface of few patches: the nodes that represent those around them, and the elements that still have an area.
 pub(crate) struct CoarseSurface {
@@ -10,6 +10,8 @@ pub(crate) struct CoarseSurface {
     pub(crate) patches: Vec<[u32; 4]>,
     /// The element that each patch shows.
     pub(crate) element: Vec<u32>,
+    /// Of each node of the mesh the index in `nodes` of the one that represents it.
+    group: Vec<u32>,
 }
 
 impl CoarseSurface {
@@ -17,9 +19,9 @@ impl CoarseSurface {
     /// merged. The coarsest lattice, the corners of the bounding box, may leave more than `most`.
     pub(crate) fn from_points(points: &[[f32; 3]], outlines: &[[u32; 4]], most: usize) -> CoarseSurface {
         if outlines.len() <= most {
-            let nodes = (0..points.len() as u32).collect();
+            let nodes: Vec<u32> = (0..points.len() as u32).collect();
             let element = (0..outlines.len() as u32).collect();
-            return CoarseSurface { nodes, patches: outlines.to_vec(), element };
+            return CoarseSurface { group: nodes.clone(), nodes, patches: outlines.to_vec(), element };
         }
         let [low, high] = bounds(points.iter().copied());
         let mut extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
@@ -67,12 +69,18 @@ impl CoarseSurface {
                 element.push(at as u32);
             }
         }
-        CoarseSurface { nodes, patches, element }
+        CoarseSurface { nodes, patches, element, group }
     }
 
-    /// Positions of its nodes, from those of all nodes of the mesh.
-    pub(crate) fn positions(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        self.nodes.iter().map(|node| points[*node as usize]).collect()
+    /// The values of its nodes, from those of all nodes of the mesh.
+    pub(crate) fn of_nodes<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.nodes.iter().map(|node| values[*node as usize]).collect()
+    }
+
+    /// The edges of the mesh that have a length still.
+    pub(crate) fn edges(&self, edges: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let own = edges.iter().map(|edge| edge.map(|node| self.group[node as usize]));
+        own.filter(|[a, b]| a != b).collect::<BTreeSet<_>>().into_iter().collect()
     }
 }
 
@@ -130,9 +138,18 @@ mod tests {
         let outlines: Vec<[u32; 4]> = film.outlines().collect();
         let surface = CoarseSurface::from_points(&points, &outlines, 3000);
         assert!(surface.patches.len() <= 3000 && surface.patches.len() > 1500, "{}", surface.patches.len());
-        let [low, high] = bounds(surface.positions(&points).into_iter());
+        let [low, high] = bounds(surface.of_nodes(&points).into_iter());
         assert_eq!((low, high), ([0.0; 3], [1.0, 1.0, 0.0]), "its edges stay where they are");
         assert!(surface.patches.iter().flatten().all(|corner| (*corner as usize) < surface.nodes.len()));
+        let side: Vec<[u32; 2]> = (0..200).map(|node| [node, node + 1]).collect();
+        let held = surface.edges(&side);
+        let length = |[a, b]: &[u32; 2]| {
+            let [a, b] = [a, b].map(|node| points[surface.nodes[*node as usize] as usize]);
+            assert_eq!([a[1], b[1]], [0.0; 2], "on the side");
+            (b[0] - a[0]).abs()
+        };
+        assert!((10..100).contains(&held.len()), "{}", held.len());
+        assert!((held.iter().map(length).sum::<f32>() - 1.0).abs() < 1e-5, "without gaps");
     }
 
     #[test]

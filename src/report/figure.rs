@@ -82,7 +82,7 @@ pub fn markdown(summary: &Map<String, Value>) -> String {
 }
 
 /// `text` with everything that Markdown would read as markup escaped.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {

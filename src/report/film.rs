@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::coarse::CoarseSurface;
+use crate::drawn::DIGITS;
 use crate::film_data::FilmData;
+use crate::geometry::{Moment, RunScene, SceneBody, SceneFace, is_finite};
 use crate::html::{data, escape};
-use crate::run_scene::{Moment, RunScene, SceneBody, SceneFace};
+use base::number::rounded;
 use lab::signal::{Recording, column};
 use membrane::engine::Surface;
 use scene::model::Model;
@@ -59,8 +61,10 @@ fn page_scene(films: &[Film], impactors: &[Surface], snapshots: &[Snapshot], mom
     let states = chosen_snapshots(&snapshots, &moments, most).into_iter().map(state).collect();
     let body = |surface: &Surface| {
         let SceneBody { points, patches } = SceneBody::from_surface(surface, SIDES);
-        let coarse = CoarseSurface::from_points(&points, &patches, MOST_OF_BODY);
-        SceneBody { points: coarse.positions(&points), patches: coarse.patches }
+        let single: Vec<[f32; 3]> = points.iter().map(|point| point.map(|c| c as f32)).collect();
+        let coarse = CoarseSurface::from_points(&single, &patches, MOST_OF_BODY);
+        let points = coarse.of_nodes(&points).into_iter().map(|point| point.map(|c| rounded(c, DIGITS)));
+        SceneBody { points: points.collect(), patches: coarse.patches }
     };
     Some(RunScene {
         bodies: impactors.iter().map(body).collect(),
@@ -115,13 +119,6 @@ fn chosen_snapshots(snapshots: &[&Snapshot], moments: &[Moment], most: usize) ->
     chosen
 }
 
-pub(crate) fn is_finite(snapshot: &Snapshot) -> bool {
-    let finite = |place: &[f32; 3]| place.iter().all(|c| c.is_finite());
-    let bodies = &snapshot.impactors;
-    let placed = bodies.iter().all(|(position, rotation)| position.iter().chain(rotation).all(|c| c.is_finite()));
-    placed && snapshot.films.iter().all(|film| film.positions.iter().all(finite))
-}
-
 /// One face of film as a page shows it.
 struct CoarseFace {
     surface: CoarseSurface,
@@ -142,6 +139,7 @@ impl CoarseFace {
         SceneFace {
             nodes: first + self.springs.len(),
             springs: springs.collect(),
+            held: self.surface.edges(&film.held),
             patches: self.surface.patches,
             mirrored: film.mirrored,
         }
@@ -153,7 +151,7 @@ impl CoarseFace {
         let elements = || self.surface.element.iter().map(|element| *element as usize);
         let is_finite = |strains: &[f32; 3]| strains.iter().all(|strain| strain.is_finite());
         FilmState {
-            positions: self.surface.positions(&film.positions).into_iter().chain(ends).collect(),
+            positions: self.surface.of_nodes(&film.positions).into_iter().chain(ends).collect(),
             strains: elements().map(|element| film.strains[element]).collect(),
             failed: elements().map(|element| film.failed[element] || !is_finite(&film.strains[element])).collect(),
             ..FilmState::default()

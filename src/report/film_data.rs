@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::coarse::bounds;
 use crate::drawn::DIGITS;
-use crate::run_scene::{Moment, RunScene, SceneBody, SceneFace};
+use crate::geometry::{Moment, RunScene, SceneBody, SceneFace};
 use base::number::rounded;
 use scene::simulate::{FilmSpring, FilmState, Snapshot};
 
@@ -25,7 +25,7 @@ pub(crate) struct FilmData {
     states: Vec<StateData>,
     /// What happens, and when, ms.
     moments: Vec<(String, f64)>,
-    bodies: Vec<BodyData>,
+    bodies: Vec<SceneBody>,
     #[serde(default)]
     coarsened: bool,
 }
@@ -35,6 +35,9 @@ struct FaceData {
     nodes: usize,
     patches: String,
     mirrored: [bool; 2],
+    /// Not in pages of earlier versions.
+    #[serde(default)]
+    held: Vec<[u32; 2]>,
     /// Ends of springs on the frame; their ends on the film are the last nodes.
     #[serde(default)]
     springs: Vec<[f64; 3]>,
@@ -47,12 +50,6 @@ struct StateData {
     places: String,
     strains: String,
     poses: Vec<[f64; 7]>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct BodyData {
-    points: Vec<[f64; 3]>,
-    patches: Vec<[u32; 4]>,
 }
 
 impl FilmData {
@@ -79,7 +76,7 @@ impl FilmData {
             faces: scene.faces.iter().map(FaceData::of_face).collect(),
             states: vec![],
             moments: scene.moments.iter().map(|Moment { words, time }| (words.clone(), milliseconds(*time))).collect(),
-            bodies: scene.bodies.iter().map(BodyData::of_body).collect(),
+            bodies: scene.bodies.clone(),
             coarsened: scene.is_coarsened,
         };
         data.states = scene.states.iter().map(|state| data.state(state)).collect();
@@ -100,8 +97,7 @@ impl FilmData {
             return Err(mismatch("times"));
         }
         let moments = self.moments.into_iter().map(|(words, time)| Moment { words, time: time * 1e-3 }).collect();
-        let bodies = self.bodies.into_iter().map(BodyData::body).collect();
-        Ok(RunScene { faces, bodies, states, moments, is_coarsened: self.coarsened })
+        Ok(RunScene { faces, bodies: self.bodies, states, moments, is_coarsened: self.coarsened })
     }
 
     fn ranges(&self) -> [[f32; 2]; 3] {
@@ -198,7 +194,8 @@ impl FaceData {
             nodes: face.nodes,
             patches: text(face.patches.iter().flatten().copied().flat_map(u32::to_le_bytes)),
             mirrored: face.mirrored,
-            springs: face.springs.iter().map(|spring| spring.anchor.map(near)).collect(),
+            held: face.held.clone(),
+            springs: face.springs.iter().map(|spring| spring.anchor.map(|c| rounded(f64::from(c), DIGITS))).collect(),
         }
     }
 
@@ -208,24 +205,15 @@ impl FaceData {
         let corners: Vec<u32> = corners.iter().map(|corner| u32::from_le_bytes(*corner)).collect();
         let (patches, []) = corners.as_chunks::<4>() else { return Err(mismatch("patches")) };
         check_corners(patches, self.nodes)?;
+        check_corners(&self.held, self.nodes)?;
         let Some(first) = self.nodes.checked_sub(self.springs.len()) else { return Err(mismatch("springs")) };
         let spring = |(node, anchor): (usize, &[f64; 3])| {
             let node = u32::try_from(node).map_err(|_| mismatch("springs"))?;
             Ok(FilmSpring::at_node(node, anchor.map(|c| c as f32)))
         };
         let springs = (first..).zip(&self.springs).map(spring).collect::<Result<_, String>>()?;
-        Ok(SceneFace { nodes: self.nodes, patches: patches.to_vec(), mirrored: self.mirrored, springs })
-    }
-}
-
-impl BodyData {
-    fn of_body(SceneBody { points, patches }: &SceneBody) -> BodyData {
-        BodyData { points: points.iter().map(|place| place.map(near)).collect(), patches: patches.clone() }
-    }
-
-    fn body(self) -> SceneBody {
-        let points = self.points.into_iter().map(|place| place.map(|c| c as f32)).collect();
-        SceneBody { points, patches: self.patches }
+        let (patches, held) = (patches.to_vec(), self.held.clone());
+        Ok(SceneFace { nodes: self.nodes, patches, mirrored: self.mirrored, held, springs })
     }
 }
 
@@ -234,7 +222,7 @@ fn mismatch(what: &str) -> String {
     format!("{what} of the film do not fit together")
 }
 
-fn check_corners(patches: &[[u32; 4]], nodes: usize) -> Result<(), String> {
+fn check_corners<const N: usize>(patches: &[[u32; N]], nodes: usize) -> Result<(), String> {
     let are_nodes = patches.iter().flatten().all(|corner| (*corner as usize) < nodes);
     if are_nodes { Ok(()) } else { Err(mismatch("corners and nodes")) }
 }
@@ -249,11 +237,6 @@ fn decoded(text: &str) -> Result<Vec<u8>, String> {
 
 fn milliseconds(time: f64) -> f64 {
     rounded(time * 1e3, DIGITS)
-}
-
-/// A coordinate with the digits of a page.
-fn near(c: f32) -> f64 {
-    rounded(f64::from(c), DIGITS)
 }
 
 #[cfg(test)]
@@ -278,7 +261,7 @@ mod tests {
             Snapshot { time, films: vec![film], impactors: vec![([0.5, 0.25, 0.125], [0.0, 0.0, 0.6, 0.8])] }
         };
         RunScene {
-            faces: vec![SceneFace { nodes: 16, patches, mirrored: [true; 2], springs: vec![] }],
+            faces: vec![SceneFace { nodes: 16, patches, mirrored: [true; 2], held: vec![[0, 1]], springs: vec![] }],
             bodies: vec![SceneBody {
                 points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
                 patches: vec![[0, 1, 2, 2]],
@@ -304,7 +287,7 @@ mod tests {
         let data = written(&own);
         let found = read(&data).expect("a film");
         assert_eq!((found.faces.len(), found.faces[0].nodes, found.faces[0].mirrored), (1, 16, [true; 2]));
-        assert_eq!(found.faces[0].patches, own.faces[0].patches);
+        assert_eq!((&found.faces[0].patches, &found.faces[0].held), (&own.faces[0].patches, &own.faces[0].held));
         assert_eq!((&found.moments, found.is_coarsened), (&own.moments, false));
         assert_eq!((&found.bodies[0].points, found.bodies[0].patches[0]), (&own.bodies[0].points, [0, 1, 2, 2]));
         for (found, own) in found.states.iter().zip(&own.states) {

@@ -1,4 +1,4 @@
-//! Self-contained pages of runs, studies and comparisons, their recordings, and the series for ParaView.
+//! What of a run is drawn, self-contained pages of runs, studies and comparisons, and the series for ParaView.
 #![warn(missing_docs)]
 
 mod coarse;
@@ -10,13 +10,11 @@ mod figure;
 mod film;
 mod film_data;
 mod fit_page;
+pub mod geometry;
 mod html;
-mod panes;
+pub mod panes;
 mod progress_page;
-#[cfg(feature = "rerun")]
-pub mod recording;
 mod run_page;
-mod run_scene;
 mod script_output;
 mod stored;
 mod study_page;
@@ -27,13 +25,13 @@ pub mod vtu;
 pub use crate::compare_page::compare_page;
 pub use crate::drawn::figures;
 pub use crate::drop_page::{DropPage, DropScatter, DropTest, FigureScatter, drop_page};
-pub use crate::figure::{Figure, G, markdown};
+pub use crate::figure::{Figure, G, escaped, markdown};
 pub use crate::film::run_scene;
 pub use crate::fit_page::{FitPage, FitTable, fit_page};
+pub use crate::geometry::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace};
 pub use crate::html::page;
 pub use crate::progress_page::{Counts, Pace, PageTime, StudyCall, StudyProgress, StudyState, ended_page};
 pub use crate::run_page::{RunPage, run_page};
-pub use crate::run_scene::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace};
 pub use crate::script_output::{cell, columns};
 pub use crate::stored::{StoredPage, StoredPageError};
 pub use crate::study_page::{StudyPage, study_answer, study_page};

@@ -5,20 +5,22 @@ use lab::signal::{Recording, Series};
 use study::post::ReferenceComparison;
 
 /// Signals in one plot. A run has the panes for which it has channels.
-pub(super) struct Pane {
+pub struct Pane {
     /// With [`IMPACTORS`] in the place of the word for them: then only runs with impactors have it.
     title: &'static str,
-    pub(super) shown: Shown,
+    /// Where it is shown.
+    pub shown: Shown,
     /// The column along x; none for time.
-    pub(super) over: Option<Column>,
+    pub over: Option<Column>,
     /// The columns along y, each with the label of its curve; of one alone there is none.
-    pub(super) columns: Vec<(Column, Option<&'static str>)>,
-    pub(super) measured: &'static [Measured],
+    pub columns: Vec<(Column, Option<&'static str>)>,
+    /// What was measured of it.
+    pub measured: &'static [Measured],
 }
 
 /// Where a pane is shown.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Shown {
+pub enum Shown {
     /// On the page alone.
     Page,
     /// In the recording alone, beside the film.
@@ -30,21 +32,25 @@ pub(super) enum Shown {
 }
 
 /// A measured signal.
-pub(super) struct Measured {
-    pub(super) column: Column,
+pub struct Measured {
+    /// The column that it is compared with.
+    pub column: Column,
     /// The beginning of its label.
-    pub(super) label: &'static str,
+    pub label: &'static str,
     /// Its series in a reference.
-    pub(super) series: fn(&ReferenceComparison) -> Option<&Series>,
+    pub series: fn(&ReferenceComparison) -> Option<&Series>,
 }
 
 /// A channel of a run in a pane.
-pub(super) struct PaneCurve<'a> {
-    pub(super) column: Column,
+pub struct PaneCurve<'a> {
+    /// Its column.
+    pub column: Column,
     /// The beginning of the names of the channels of its impactor; empty of a single one, and of film and frame.
-    pub(super) prefix: &'a str,
-    pub(super) label: String,
-    pub(super) values: &'a [f64],
+    pub prefix: &'a str,
+    /// Its label.
+    pub label: String,
+    /// Its values, SI.
+    pub values: &'a [f64],
 }
 
 /// The word for the impactors in a title: "impactor", or "impactors" of several.
@@ -66,7 +72,7 @@ const MEASURED_ENERGIES: [Measured; 2] =
     [Measured { label: "absorbed by the film, ", ..MEASURED_LOSS }, MEASURED_TOTAL];
 
 /// Load over travel in slow tests, as one column over another with the title of its plot.
-pub(super) const CHARACTERISTICS: [(&str, [Column; 2]); 4] = [
+pub(crate) const CHARACTERISTICS: [(&str, [Column; 2]); 4] = [
     ("Stress and strain", [column::STRAIN, column::STRESS]),
     ("Force and travel", [Column { axis: "travel of the jaws (mm)", ..column::DISPLACEMENT }, column::FORCE]),
     ("Force and depth", [column::DEPTH, column::FORCE]),
@@ -75,7 +81,7 @@ pub(super) const CHARACTERISTICS: [(&str, [Column; 2]); 4] = [
 
 /// All panes, in the order in which they are shown: of impactors and loadings the rows of this table, of film and frame
 /// those of the table of columns.
-pub(super) fn panes() -> impl Iterator<Item = Pane> {
+pub fn panes() -> impl Iterator<Item = Pane> {
     use Shown::{Beside, Page, PageAndTab, Tab};
     let of_loadings = [
         Pane::from_columns("Acceleration", Beside, &[column::ACCELERATION_FILTERED, column::ACCELERATION])
@@ -163,7 +169,7 @@ impl Pane {
     }
 
     /// Its title in a run with `signals`; none where it names impactors and there are none.
-    pub(super) fn title(&self, signals: &Recording) -> Option<String> {
+    pub fn title(&self, signals: &Recording) -> Option<String> {
         if !self.title.contains(IMPACTORS) {
             return Some(self.title.to_owned());
         }
@@ -175,7 +181,7 @@ impl Pane {
     }
 
     /// Its curves in a run with `signals`.
-    pub(super) fn curves<'a>(&self, signals: &'a Recording) -> Vec<PaneCurve<'a>> {
+    pub fn curves<'a>(&self, signals: &'a Recording) -> Vec<PaneCurve<'a>> {
         let named = signals.channels.iter().filter_map(|channel| Some((column::find(&channel.name)?, &channel.values)));
         let named: Vec<_> = named.collect();
         let of_column = |&(column, label): &(Column, Option<&'static str>)| {

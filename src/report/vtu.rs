@@ -1,8 +1,8 @@
 //! The snapshots of a run for ParaView: the series `film.pvd`, `impactor.pvd` and, of a frame with bars, `frame.pvd`,
 //! of one with springs, `springs.pvd`, one file a snapshot.
 //!
-//! The film is complete with the mirror images of a part that was computed; failed elements are left out. Arrays on
-//! cells
+//! The film is complete with the mirror images of a part that was computed; elements whose fibres are all broken are left
+//! out. Arrays on cells
 //!
 //! | array | what it is |
 //! |---|---|
@@ -28,6 +28,9 @@
 //!
 //! and on points `displacement_m` and `velocity_m_s`, which are zero on the frame.
 
+use std::sync::Arc;
+
+use nalgebra::Isometry3;
 use quick_xml::Writer;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -37,12 +40,10 @@ use vtkio::model::{
 };
 use vtkio::xml::Compressor;
 
+use crate::geometry::{SceneBody, SceneFace, poses};
 use scene::model::{Face, Model};
-use scene::simulate::{Detail, Film, FilmSpring, FilmState, Image, Outcome, Snapshot, SpringDetail};
+use scene::simulate::{Detail, FilmSpring, FilmState, Image, Outcome, Snapshot, SpringDetail};
 use study::store::run_files::SNAPSHOTS;
-
-/// Sides of a round impactor.
-const SIDES: u32 = 64;
 
 /// Level of compression, 0 to 9: higher levels make files hardly smaller.
 const COMPRESSION: u32 = 5;
@@ -73,9 +74,6 @@ pub struct File {
     pub content: Vec<u8>,
 }
 
-/// Vertices of an impactor about its centre of mass, m, and the indices of its triangles.
-type Triangulation = (Vec<nalgebra::Point3<f64>>, Vec<[u32; 3]>);
-
 /// Points and cells with their arrays.
 struct Grid {
     points: Vec<[f32; 3]>,
@@ -98,18 +96,19 @@ struct Part<'a> {
 
 /// The parts of a run that are written.
 fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
-    let film = Part { name: "film", grid: Box::new(move |snapshot| film_grid(model, outcome, snapshot)) };
-    let has_springs = outcome.films.iter().any(|film| !film.springs.is_empty());
-    let springs =
-        has_springs.then(|| Part { name: "springs", grid: Box::new(|snapshot| springs_grid(outcome, snapshot)) });
-    let surfaces: Vec<Triangulation> = outcome.impactors.iter().map(|surface| surface.triangles(SIDES)).collect();
+    let faces: Arc<[SceneFace]> = outcome.films.iter().map(SceneFace::from).collect();
+    let has_springs = faces.iter().any(|face| !face.springs.is_empty());
+    let of_springs = faces.clone();
+    let film = Part { name: "film", grid: Box::new(move |snapshot| film_grid(model, outcome, &faces, snapshot)) };
+    let springs = Box::new(move |snapshot: &Snapshot| springs_grid(outcome, &of_springs, snapshot));
+    let springs = has_springs.then(|| Part { name: "springs", grid: springs });
     // The bars come after the impactors.
-    let mut impactors = surfaces;
+    let mut impactors = SceneBody::all(&outcome.impactors);
     let frame = impactors.split_off(model.impactors.len().min(impactors.len()));
     let first_of_frame = impactors.len();
-    let bodies = |name, surfaces: Vec<Triangulation>, first: usize| {
-        let is_empty = surfaces.is_empty();
-        let grid = move |snapshot: &Snapshot| Ok(posed(&surfaces, snapshot.impactors.get(first..).unwrap_or_default()));
+    let bodies = |name, bodies: Vec<SceneBody>, first: usize| {
+        let is_empty = bodies.is_empty();
+        let grid = move |snapshot: &Snapshot| Ok(posed(&bodies, poses(snapshot).skip(first)));
         (!is_empty).then(|| Part { name, grid: Box::new(grid) })
     };
     let bodies = [bodies("impactor", impactors, 0), bodies("frame", frame, first_of_frame)];
@@ -196,23 +195,26 @@ fn collection(states: impl Iterator<Item = (String, f64)>) -> Result<Vec<u8>, qu
     Ok(writer.into_inner())
 }
 
-/// Bodies at their poses (position in m, unit quaternion i, j, k, w); of several, each cell has the number of its body,
-/// from 1.
-fn posed(surfaces: &[Triangulation], poses: &[([f64; 3], [f64; 4])]) -> Grid {
+/// Bodies at their poses; of several, each cell has the number of its body, from 1.
+fn posed(bodies: &[SceneBody], poses: impl Iterator<Item = Isometry3<f64>>) -> Grid {
     let mut grid = Grid { points: vec![], cells: vec![], on_points: vec![], on_cells: vec![] };
     let mut of_cells = vec![];
-    for (number, ((points, triangles), (position, [i, j, k, w]))) in surfaces.iter().zip(poses).enumerate() {
-        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(*w, *i, *j, *k));
-        let pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::from(*position), turn);
+    for ((number, body), pose) in (1..).zip(bodies).zip(poses) {
         let first = grid.points.len() as u64;
-        grid.points.extend(points.iter().map(|p| <[f64; 3]>::from((pose * p).coords).map(|c| c as f32)));
-        grid.cells.extend(triangles.iter().map(|corners| corners.map(|corner| first + u64::from(corner)).to_vec()));
-        of_cells.extend(triangles.iter().map(|_| number as u32 + 1));
+        grid.points.extend(body.placed(pose).map(|place| <[f32; 3]>::from(place.map(|c| c as f32))));
+        grid.cells.extend(body.patches.iter().map(|patch| corners(*patch, first)));
+        of_cells.extend(body.patches.iter().map(|_| number));
     }
-    if surfaces.len() > 1 {
+    if bodies.len() > 1 {
         grid.on_cells.push(numbers("impactor", of_cells.into_iter()));
     }
     grid
+}
+
+/// The corners of a patch whose points begin at this number of the file.
+fn corners(patch: [u32; 4], first: u64) -> Vec<u64> {
+    let corners = if patch[2] == patch[3] { &patch[..3] } else { &patch[..] };
+    corners.iter().map(|node| first + u64::from(*node)).collect()
 }
 
 /// One number for each point or cell.
@@ -239,7 +241,7 @@ struct Sheet<'a> {
     number: u32,
     image: Image,
     face: &'a Face,
-    film: &'a Film,
+    shape: &'a SceneFace,
     /// Positions in the first snapshot.
     rest: &'a [[f32; 3]],
     state: &'a FilmState,
@@ -255,9 +257,9 @@ struct Cell<'a> {
     element: usize,
 }
 
-/// The film of `outcome` in a snapshot.
-fn film_grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
-    let sheets = sheets(model, outcome, snapshot)?;
+/// The film of `outcome` in a snapshot. An element is left out when both its fibres are broken; others show which.
+fn film_grid(model: &Model, outcome: &Outcome, faces: &[SceneFace], snapshot: &Snapshot) -> Result<Grid, VtuError> {
+    let sheets = sheets(model, outcome, faces, snapshot)?;
     let held = |sheet: &Sheet<'_>, element: &usize| sheet.detail.left[*element] != [0.0; 2];
     let cells: Vec<Cell<'_>> = sheets
         .iter()
@@ -273,16 +275,21 @@ fn film_grid(model: &Model, outcome: &Outcome, snapshot: &Snapshot) -> Result<Gr
     })
 }
 
-fn sheets<'a>(model: &'a Model, outcome: &'a Outcome, snapshot: &'a Snapshot) -> Result<Vec<Sheet<'a>>, VtuError> {
+fn sheets<'a>(
+    model: &'a Model,
+    outcome: &'a Outcome,
+    faces: &'a [SceneFace],
+    snapshot: &'a Snapshot,
+) -> Result<Vec<Sheet<'a>>, VtuError> {
     let mut sheets = vec![];
     let mut first = 0;
     let rest = outcome.snapshots.first().unwrap_or(snapshot);
-    for (index, ((face, film), state)) in model.faces.iter().zip(&outcome.films).zip(&snapshot.films).enumerate() {
+    for (index, ((face, shape), state)) in model.faces.iter().zip(faces).zip(&snapshot.films).enumerate() {
         let detail = state.detail.as_ref().ok_or(VtuError::NoDetail)?;
-        for image in film.images() {
+        for image in shape.images() {
             let (number, rest) = (index as u32 + 1, &rest.films[index].positions);
-            sheets.push(Sheet { number, image, face, film, rest, state, detail, first });
-            first += film.nodes as u64;
+            sheets.push(Sheet { number, image, face, shape, rest, state, detail, first });
+            first += shape.nodes as u64;
         }
     }
     Ok(sheets)
@@ -295,7 +302,7 @@ fn has_thickness(outcome: &Outcome) -> bool {
 }
 
 fn points<'a, T>(sheets: &'a [Sheet<'a>], value: impl Fn(&Sheet<'_>, usize) -> T + 'a) -> impl Iterator<Item = T> + 'a {
-    sheets.iter().flat_map(|sheet| (0..sheet.film.nodes).map(move |node| (sheet, node))).map(move |(s, n)| value(s, n))
+    sheets.iter().flat_map(|sheet| (0..sheet.shape.nodes).map(move |node| (sheet, node))).map(move |(s, n)| value(s, n))
 }
 
 fn on_points(sheets: &[Sheet<'_>]) -> Vec<Attribute> {
@@ -362,11 +369,7 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
 impl Cell<'_> {
     /// Indices of its points in the file, in the orientation of the film itself.
     fn corners(&self) -> Vec<u64> {
-        let Film { quads, tris, .. } = self.sheet.film;
-        let mut corners: Vec<u64> = match quads.get(self.element) {
-            Some(quad) => quad.iter().map(|n| self.sheet.first + u64::from(*n)).collect(),
-            None => tris[self.element - quads.len()].iter().map(|n| self.sheet.first + u64::from(*n)).collect(),
-        };
+        let mut corners = corners(self.sheet.shape.patches[self.element], self.sheet.first);
         if self.sheet.image.is_reversed() {
             corners.reverse();
         }
@@ -428,8 +431,8 @@ struct Line<'a> {
 }
 
 /// The springs of `outcome` in a snapshot.
-fn springs_grid(outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError> {
-    let lines = lines(outcome, snapshot)?;
+fn springs_grid(outcome: &Outcome, faces: &[SceneFace], snapshot: &Snapshot) -> Result<Grid, VtuError> {
+    let lines = lines(outcome, faces, snapshot)?;
     // From the frame, which stands still, to the film.
     let points = |of_frame: &dyn Fn(&Line<'_>) -> [f32; 3], of_film: &dyn Fn(&Line<'_>) -> [f32; 3]| {
         let ends = lines.iter().flat_map(|line| [of_frame(line), of_film(line)].map(|end| line.image.reflect(end)));
@@ -457,14 +460,14 @@ fn springs_grid(outcome: &Outcome, snapshot: &Snapshot) -> Result<Grid, VtuError
     })
 }
 
-fn lines<'a>(outcome: &'a Outcome, snapshot: &'a Snapshot) -> Result<Vec<Line<'a>>, VtuError> {
+fn lines<'a>(outcome: &'a Outcome, faces: &'a [SceneFace], snapshot: &'a Snapshot) -> Result<Vec<Line<'a>>, VtuError> {
     let mut lines = vec![];
     let first = outcome.snapshots.first().unwrap_or(snapshot);
     let states = snapshot.films.iter().zip(&first.films);
-    for (face, (film, (state, rest))) in (1..).zip(outcome.films.iter().zip(states)) {
+    for (face, (shape, (state, rest))) in (1..).zip(faces.iter().zip(states)) {
         let FilmState { positions, detail: Some(detail), .. } = state else { return Err(VtuError::NoDetail) };
-        for image in film.images() {
-            for (number, (spring, own)) in (0..).zip(film.springs.iter().zip(&detail.springs)) {
+        for image in shape.images() {
+            for (number, (spring, own)) in (0..).zip(shape.springs.iter().zip(&detail.springs)) {
                 let ends = [positions, &rest.positions].map(|positions| spring.end(positions));
                 // The weights of its end are those of the velocities, too.
                 let velocity = spring.end(&detail.velocities);

@@ -42,7 +42,8 @@ fn scene(is_torn: bool) -> RunScene {
         failed: vec![false, is_torn],
         ..FilmState::default()
     };
-    let face = SceneFace { nodes: 6, patches: vec![[0, 1, 4, 3], [1, 2, 5, 4]], mirrored: [false; 2], springs: vec![] };
+    let patches = vec![[0, 1, 4, 3], [1, 2, 5, 4]];
+    let face = SceneFace { nodes: 6, patches, ..SceneFace::default() };
     let body = SceneBody { points: vec![[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]], patches: vec![[0, 1, 2, 2]] };
     let pose = ([0.15, 0.05, -0.01], [0.0, 0.0, 0.0, 1.0]);
     let intact = FilmState { failed: vec![false; 2], ..film.clone() };

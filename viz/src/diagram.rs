@@ -16,13 +16,9 @@ pub(crate) const WIDTH: f64 = 1.6;
 /// Visible part of the plane, across and down: the box with its labels and legend.
 pub(crate) const BOUNDS: [[f64; 2]; 2] = [[-0.2, WIDTH + 0.6], [-0.12, 1.2]];
 
-/// A plot among the entities of a recording.
-#[derive(Clone, Debug)]
-pub struct Diagram {
-    /// Entity path, e.g. `diagrams/force`; no part of it is the path of another diagram.
-    pub path: String,
-    /// What is drawn; marks are left out.
-    pub plot: Plot,
+/// Entity of the diagram of this index.
+pub(crate) fn entity(index: usize) -> String {
+    format!("plots/{index}")
 }
 
 /// Lengths of a dash and of the gap after it, in heights of the box.
@@ -41,11 +37,10 @@ const LEGEND: [f64; 2] = [0.3, 0.08];
 /// A point of the viewer's plane: across, down.
 type Point = [f32; 2];
 
-/// Logs border, ticks, legend and all curves.
-pub(crate) fn log(stream: &RecordingStream, diagram: &Diagram) -> RecordingStreamResult<()> {
-    let Diagram { path, plot } = diagram;
+/// Logs border, ticks, legend and all curves of the diagram of this index.
+pub(crate) fn log(stream: &RecordingStream, index: usize, plot: &Plot) -> RecordingStreamResult<()> {
     let page = Page::from_plot(plot);
-    let entity = |part: &str| format!("{path}/{part}");
+    let entity = |part: &str| format!("{}/{part}", entity(index));
     stream.log_static(entity("frame"), &page.border())?;
     stream.log_static(entity("labels"), &page.labels())?;
     stream.log_static(entity("legend"), &legend(plot))?;

@@ -1,6 +1,6 @@
 //! The position and target of the eye.
 
-use crate::scene::{BodyTrack, Extent, Pose, Scene};
+use crate::scene::{Extent, Scene};
 
 /// Direction from the scene to the eye: from the side and a little above, so that film and body are both seen.
 const DIRECTION: [f32; 3] = [0.56, -0.79, 0.24];
@@ -35,7 +35,7 @@ impl Eye {
         if !scene.bodies.is_empty() {
             low[2] -= DEPTH * (high[0] - low[0]).max(high[1] - low[1]);
         }
-        high[2] = high[2].max(body_top(scene));
+        high[2] = scene.bodies.iter().map(|body| body.top).fold(high[2], f32::max);
         let target = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
         let size = [0, 1, 2].map(|k| (high[k] - low[k]).powi(2)).iter().sum::<f32>().sqrt();
         let enlargement = if size > 0.0 { (LEAST_SIZE / size).max(1.0) } else { 1.0 };
@@ -49,31 +49,24 @@ impl Eye {
     }
 }
 
-/// Height of the top of the highest body at first.
-fn body_top(scene: &Scene) -> f32 {
-    let places = scene.bodies.iter().filter_map(|body| Some((body, body.poses.first()?)));
-    let top = |(body, pose): (&BodyTrack, &Pose)| {
-        pose.position[2] + body.points.iter().map(|point| point[2]).fold(0.0, f32::max)
-    };
-    places.map(top).fold(f32::NEG_INFINITY, f32::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{FilmSnapshot, FilmTrack};
+    use report::geometry::SceneFace;
+    use scene::simulate::FilmState;
 
     /// One triangle from the origin to a corner, and a failed one far away.
-    fn scene(corner: [f32; 3], images: Vec<[f32; 3]>) -> Scene {
-        let film = FilmTrack { patches: vec![[0, 1, 1, 1], [0, 2, 2, 2]], images, ..FilmTrack::default() };
+    fn scene(corner: [f32; 3], mirrored: [bool; 2]) -> Scene {
+        let patches = vec![[0, 1, 1, 1], [0, 2, 2, 2]];
+        let face = SceneFace { nodes: 3, patches, mirrored, ..SceneFace::default() };
         let positions = vec![[0.0; 3], corner, [1e6; 3]];
-        let snapshot = FilmSnapshot { positions, visible: vec![true, false], ..FilmSnapshot::default() };
-        Scene { extent: Extent::default().with(&film, &snapshot), films: vec![film], ..Scene::default() }
+        let film = FilmState { positions, failed: vec![false, true], ..FilmState::default() };
+        Scene { extent: Extent::default().with(&face, &film), faces: vec![face], ..Scene::default() }
     }
 
     #[test]
     fn the_eye_looks_at_the_whole_of_a_quarter_from_outside() {
-        let eye = Eye::on(&scene([0.2, 0.2, 0.0], vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]]));
+        let eye = Eye::on(&scene([0.2, 0.2, 0.0], [true; 2]));
         assert!(eye.target[..2] == [0.0; 2] && eye.target[2] == 0.0 && eye.enlargement == 1.0, "{:?}", eye.target);
         let away = [0, 1, 2].map(|k| (eye.position[k] - eye.target[k]).powi(2)).iter().sum::<f32>().sqrt();
         assert!((0.4..1.0).contains(&away) && eye.position[2] > 0.0, "{:?}", eye.position);
@@ -81,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_coupon_is_enlarged() {
-        let eye = Eye::on(&scene([0.006, 0.004, 0.0], vec![]));
+        let eye = Eye::on(&scene([0.006, 0.004, 0.0], [false; 2]));
         assert!(eye.enlargement > 50.0 && eye.position[2] > 0.1, "{} {:?}", eye.enlargement, eye.position);
     }
 }

@@ -28,11 +28,12 @@ use re_sdk_types::blueprint::datatypes::{
 use re_sdk_types::datatypes::Range2D;
 use re_sdk_types::{AsComponents, SerializedComponentBatch, VisualizableArchetype, Visualizer};
 
-use crate::diagram::{self, Diagram};
+use crate::diagram;
 use crate::eye::Eye;
 use crate::film::{self, COLOURS};
 use crate::quantity::{Quantity, TIME};
-use crate::scene::{Chart, Document, Scene};
+use crate::scene::{Chart, Charts, Document, Scene};
+use plot::Plot;
 
 /// Playback time of a run, s.
 const PLAYBACK: f64 = 6.0;
@@ -72,10 +73,10 @@ fn time_panel(scene: &Scene) -> TimePanel {
 /// A tab with the films for each quantity, beside its colour bar, and a tab for each diagram.
 fn pictures(scene: &Scene, properties: &mut Properties) -> Option<ContainerLike> {
     let eye = Eye::on(scene);
-    let quantities: &[Quantity] = if scene.films.is_empty() { &[] } else { &scene.quantities };
+    let quantities: &[Quantity] = if scene.faces.is_empty() { &[] } else { &scene.quantities };
     let mut tabs: Vec<ContainerLike> =
         quantities.iter().map(|quantity| coloured(scene, quantity, &eye, properties)).collect();
-    tabs.extend(scene.diagrams.iter().map(|diagram| plane(diagram, properties)));
+    tabs.extend(scene.diagrams.iter().enumerate().map(|(index, plot)| plane(index, plot, properties)));
     (!tabs.is_empty()).then(|| Tabs::new(tabs).into())
 }
 
@@ -88,9 +89,9 @@ fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Prop
     .with_origin("/")
     .with_contents(["+ /scene/**"]);
     let view: ContainerLike = view.into();
-    for film in &scene.films {
+    for face in 0..scene.faces.len() {
         let visualizer = Mesh3D::update_fields().visualizer().with_mappings([mapping(quantity)]);
-        properties.visualize(&view, &film::entity(film), &visualizer);
+        properties.visualize(&view, &format!("scene/{}", film::name(face)), &visualizer);
     }
     properties.set(
         &view,
@@ -103,7 +104,7 @@ fn coloured(scene: &Scene, quantity: &Quantity, eye: &Eye, properties: &mut Prop
     let bounds = Range2D { x_range: [-0.05, 0.35].into(), y_range: [-0.12, 1.05].into() };
     properties.set(&legend, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));
     properties.set(&legend, "Background", &ground());
-    Horizontal::new([view, legend]).with_column_shares(vec![7.0, 1.0]).with_name(quantity.title.as_str()).into()
+    Horizontal::new([view, legend]).with_column_shares(vec![7.0, 1.0]).with_name(quantity.field.title).into()
 }
 
 /// Dark background in every theme, which contrasts with bright strains and steel.
@@ -114,14 +115,14 @@ fn ground() -> Background {
 /// Vertex colours from those of the quantity.
 fn mapping(quantity: &Quantity) -> VisualizerComponentMapping {
     let target = Mesh3D::descriptor_vertex_colors().component.to_string();
-    VisualizerComponentMapping(Mapping::new_source_component(target, format!("{COLOURS}:{}", quantity.key)))
+    VisualizerComponentMapping(Mapping::new_source_component(target, format!("{COLOURS}:{}", quantity.field.key)))
 }
 
 fn charts(scene: &Scene, properties: &mut Properties) -> Vec<ContainerLike> {
-    let (first, others) = scene.charts.split_at(scene.charts.len().min(MOST_CHARTS));
+    let Charts { beside, tabs } = &scene.charts;
+    let (first, others) = beside.split_at(beside.len().min(MOST_CHARTS));
     let mut charts: Vec<ContainerLike> = first.iter().map(|shown| chart(shown, properties)).collect();
-    let others: Vec<ContainerLike> =
-        others.iter().chain(&scene.more_charts).map(|shown| chart(shown, properties)).collect();
+    let others: Vec<ContainerLike> = others.iter().chain(tabs).map(|shown| chart(shown, properties)).collect();
     if !others.is_empty() {
         charts.push(Tabs::new(others).into());
     }
@@ -129,14 +130,14 @@ fn charts(scene: &Scene, properties: &mut Properties) -> Vec<ContainerLike> {
 }
 
 fn chart(chart: &Chart, properties: &mut Properties) -> ContainerLike {
-    let contents = chart.signals.iter().map(|path| format!("+ /{path}"));
+    let contents = chart.tracks.iter().map(|track| format!("+ /{}", track.path));
     let view = TimeSeriesView::new(chart.title.as_str()).with_contents(contents).into();
     properties.set(&view, "PlotLegend", &PlotLegend::new().with_corner(Corner2D::RightTop));
     view
 }
 
-fn plane(diagram: &Diagram, properties: &mut Properties) -> ContainerLike {
-    let view = Spatial2DView::new(diagram.plot.title.as_str()).with_origin(diagram.path.as_str()).into();
+fn plane(index: usize, plot: &Plot, properties: &mut Properties) -> ContainerLike {
+    let view = Spatial2DView::new(plot.title.as_str()).with_origin(diagram::entity(index)).into();
     let [x_range, y_range] = diagram::BOUNDS;
     let bounds = Range2D { x_range: x_range.into(), y_range: y_range.into() };
     properties.set(&view, "VisualBounds2D", &VisualBounds2D::new(Bounds(bounds)));

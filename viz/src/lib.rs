@@ -1,23 +1,27 @@
-//! Rerun recordings of deforming films: plain positions, values and plots in, one `.rrd` file out.
+//! Rerun recordings of runs: film, impactors, signals, events; a file, or an open viewer.
 #![warn(missing_docs)]
 
 mod diagram;
 mod eye;
 mod film;
 mod layout;
+mod live;
 mod quantity;
+mod recording;
 mod scene;
+mod signals;
 mod stage;
+mod text;
 
 use re_sdk::RecordingStreamError;
 use re_sdk::sink::SinkFlushError;
 use thiserror::Error;
 
-pub use crate::diagram::Diagram;
+pub use crate::live::{Live, LiveError};
 pub use crate::quantity::{Quantity, Stroke, TIME};
+pub use crate::recording::write;
 pub use crate::scene::{
-    BodyTrack, Chart, Document, Event, Extent, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose, Scene, Severity,
-    SignalTrack, SpringTrack,
+    Body, Chart, Charts, Document, Event, Extent, PointState, PointTrack, Scene, Severity, SignalTrack,
 };
 pub use crate::stage::{Address, AddressError, Stage};
 

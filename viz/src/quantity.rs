@@ -6,20 +6,17 @@ use re_sdk_types::components::Radius;
 
 use plot::Along;
 use plot::viridis::viridis;
+use report::Field;
 
 /// The timeline of what is simulated or measured, in seconds since the start.
 pub const TIME: &str = "time";
 
-/// A nodal value that colours films.
+/// A field that colours films.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// One word of letters, e.g. `md`.
-    pub key: &'static str,
-    /// Title of its tab.
-    pub title: String,
-    /// Name with its unit, over the bar of colours.
-    pub words: String,
-    /// Values that get the first and the last colour.
+    /// The field.
+    pub field: &'static Field,
+    /// Values that get the first and the last colour, in its unit.
     pub range: [f32; 2],
 }
 
@@ -32,7 +29,7 @@ const WIDTH: f32 = 0.07;
 impl Quantity {
     /// Entity of the bar.
     pub(crate) fn legend(&self) -> String {
-        format!("legends/{}", self.key)
+        format!("legends/{}", self.field.key)
     }
 
     /// Logs the bar: colours from bottom to top.
@@ -53,7 +50,7 @@ impl Quantity {
         let [low, high] = self.range.map(f64::from);
         let along = Along::between(low, high);
         let numbers = ticks(&along).into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
-        let title = ([2.0 * WIDTH, -0.06], self.words.clone());
+        let title = ([2.0 * WIDTH, -0.06], format!("{}, {}", self.field.symbol, self.field.unit));
         let (places, words): (Vec<[f32; 2]>, Vec<String>) = numbers.chain([title]).unzip();
         let labels = Points2D::new(places)
             .with_labels(words)

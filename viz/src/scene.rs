@@ -1,8 +1,10 @@
-//! Content of a recording, as plain values: lengths in m, times in s.
+//! Content of a recording: lengths in m, times in s.
 
 use crate::VizError;
-use crate::diagram::Diagram;
 use crate::quantity::{Quantity, Stroke};
+use plot::Plot;
+use report::geometry::{SceneBody, SceneFace};
+use scene::simulate::FilmState;
 
 /// Everything in one recording.
 #[derive(Clone, Debug, Default)]
@@ -19,89 +21,29 @@ pub struct Scene {
     pub documents: Vec<Document>,
     /// Quantities that colour the films, the default first.
     pub quantities: Vec<Quantity>,
-    /// Films, in the order by which snapshots name them.
-    pub films: Vec<FilmTrack>,
-    /// The impactors, in the order by which their poses name them.
-    pub bodies: Vec<BodyTrack>,
+    /// Faces of film, in the order of a snapshot.
+    pub faces: Vec<SceneFace>,
+    /// The impactors and the bars of the frame, in the order of a snapshot.
+    pub bodies: Vec<Body>,
     /// Points that move beside the films.
     pub points: Vec<PointTrack>,
-    /// Signals that the charts show.
-    pub signals: Vec<SignalTrack>,
-    /// Charts beside the films, from top to bottom.
-    pub charts: Vec<Chart>,
-    /// Further charts, in tabs.
-    pub more_charts: Vec<Chart>,
-    /// Diagrams, each in a tab.
-    pub diagrams: Vec<Diagram>,
+    /// Charts of signals.
+    pub charts: Charts,
+    /// Diagrams, each in a tab; their marks are left out.
+    pub diagrams: Vec<Plot>,
     /// Events of the log.
     pub events: Vec<Event>,
 }
 
-/// A film; its snapshots are logged one by one.
-#[derive(Clone, Debug, Default)]
-pub struct FilmTrack {
-    /// Name in entity paths, e.g. `face-1`.
-    pub name: String,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Corners of each element, counter-clockwise seen from +z; a triangle has its last corner twice.
-    pub patches: Vec<[u32; 4]>,
-    /// Edges by which a frame or jaws hold it, as pairs of nodes.
-    pub held: Vec<[u32; 2]>,
-    /// Springs between the frame and its edges.
-    pub springs: Vec<SpringTrack>,
-    /// Factors on x, y and z of the mirror images that complete the picture.
-    pub images: Vec<[f32; 3]>,
-}
-
-/// A spring between a frame that stands still and the edge of a film.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpringTrack {
-    /// Its end on the frame, m.
-    pub anchor: [f32; 3],
-    /// Nodes between which its other end is.
-    pub nodes: [u32; 2],
-    /// Their weights.
-    pub shares: [f32; 2],
-}
-
-/// A film at one time.
-#[derive(Clone, Debug, Default)]
-pub struct FilmSnapshot {
-    /// Time, s.
-    pub time: f64,
-    /// Positions, m, one entry a node.
-    pub positions: Vec<[f32; 3]>,
-    /// Values of each of the scene's quantities, in its unit, one entry a node.
-    pub values: Vec<Vec<f32>>,
-    /// Whether an element is intact, one entry a patch.
-    pub visible: Vec<bool>,
-    /// Nodes in contact with a body.
-    pub in_contact: Vec<u32>,
-}
-
 /// A rigid body that moves.
 #[derive(Clone, Debug)]
-pub struct BodyTrack {
+pub struct Body {
     /// Name in entity paths, e.g. `impactor`.
     pub name: String,
-    /// Points of its surface in its own axes, m.
-    pub points: Vec<[f32; 3]>,
-    /// Corners of each patch, counter-clockwise seen from outside; a triangle has its last corner twice.
-    pub patches: Vec<[u32; 4]>,
-    /// Its poses in ascending time.
-    pub poses: Vec<Pose>,
-}
-
-/// The pose of a body at one time.
-#[derive(Clone, Copy, Debug)]
-pub struct Pose {
-    /// Time, s.
-    pub time: f64,
-    /// Position of the origin of its axes, m.
-    pub position: [f32; 3],
-    /// Unit quaternion i, j, k, w.
-    pub rotation: [f32; 4],
+    /// Its surface.
+    pub surface: SceneBody,
+    /// Height of its top at first, m.
+    pub top: f32,
 }
 
 /// Points that move, such as measured ones.
@@ -160,34 +102,7 @@ pub enum Severity {
 impl Scene {
     /// Refuses lists of inconsistent lengths.
     pub(crate) fn check(&self) -> Result<(), VizError> {
-        self.signals.iter().try_for_each(SignalTrack::check)
-    }
-}
-
-impl FilmTrack {
-    /// Refuses a snapshot that is not of this film with so many quantities.
-    pub(crate) fn check(&self, snapshot: &FilmSnapshot, quantities: usize) -> Result<(), VizError> {
-        let edges = self.held.iter().chain(self.springs.iter().map(|spring| &spring.nodes)).flatten();
-        let named = self.patches.iter().flatten().chain(edges).chain(&snapshot.in_contact).max();
-        let nodes = named.map_or(0, |node| *node as usize + 1).max(self.nodes);
-        let mismatch =
-            |what: String| Err(VizError::Mismatch(format!("film `{}` at {} s: {what}", self.name, snapshot.time)));
-        let mut lists = std::iter::once(snapshot.positions.len()).chain(snapshot.values.iter().map(Vec::len));
-        if let Some(found) = lists.find(|found| *found != nodes) {
-            return mismatch(format!("{found} positions or values for {nodes} nodes"));
-        }
-        let found = snapshot.values.len();
-        if found != quantities {
-            return mismatch(format!("values of {found} quantities where there are {quantities}"));
-        }
-        let (found, expected) = (snapshot.visible.len(), self.patches.len());
-        if found == expected { Ok(()) } else { mismatch(format!("{found} visibilities for {expected} elements")) }
-    }
-
-    /// The triangles of the elements that are intact in a snapshot.
-    pub(crate) fn visible(&self, snapshot: &FilmSnapshot) -> impl Iterator<Item = [u32; 3]> {
-        let left = self.patches.iter().zip(&snapshot.visible).filter(|(_, is_visible)| **is_visible);
-        triangles(left.map(|(patch, _)| *patch))
+        self.charts.tracks().try_for_each(SignalTrack::check)
     }
 }
 
@@ -211,8 +126,24 @@ pub struct SignalTrack {
 pub struct Chart {
     /// Quantity and unit.
     pub title: String,
-    /// Paths of the signals it shows.
-    pub signals: Vec<String>,
+    /// The signals it shows.
+    pub tracks: Vec<SignalTrack>,
+}
+
+/// Charts of signals.
+#[derive(Clone, Debug, Default)]
+pub struct Charts {
+    /// Those beside the films, from top to bottom.
+    pub beside: Vec<Chart>,
+    /// Further ones, in tabs.
+    pub tabs: Vec<Chart>,
+}
+
+impl Charts {
+    /// The signals of all charts.
+    pub(crate) fn tracks(&self) -> impl Iterator<Item = &SignalTrack> {
+        self.beside.iter().chain(&self.tabs).flat_map(|chart| &chart.tracks)
+    }
 }
 
 impl SignalTrack {
@@ -240,14 +171,13 @@ impl Default for Extent {
 }
 
 impl Extent {
-    /// Extended by the corners of the visible elements of `film` in a snapshot, and by the frame on whose springs it hangs.
-    pub fn with(self, film: &FilmTrack, snapshot: &FilmSnapshot) -> Extent {
-        let corners = film.visible(snapshot).flatten().filter_map(|node| snapshot.positions.get(node as usize));
-        let images = |extent: Extent, point: &[f32; 3]| {
-            film.images.iter().fold(extent.around(*point), |extent, image| extent.around(mirrored(*point, *image)))
-        };
-        let anchors = film.springs.iter().map(|spring| &spring.anchor);
-        corners.chain(anchors).fold(self, images)
+    /// Extended by what is drawn of a face in a state, and by the frame on whose springs it hangs.
+    pub fn with(self, face: &SceneFace, film: &FilmState) -> Extent {
+        let corners = triangles(face, film).flatten().map(|node| film.positions[node as usize]);
+        let anchors = face.springs.iter().map(|spring| spring.anchor);
+        corners
+            .chain(anchors)
+            .fold(self, |extent, point| face.images().fold(extent, |extent, image| extent.around(image.reflect(point))))
     }
 
     /// Its longest side; zero where there is nothing.
@@ -265,11 +195,8 @@ impl Extent {
     }
 }
 
-/// The triangles of patches, two of each that is not one itself.
-pub(crate) fn triangles(patches: impl Iterator<Item = [u32; 4]>) -> impl Iterator<Item = [u32; 3]> {
-    patches.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]].into_iter().take(if c == d { 1 } else { 2 }))
-}
-
-pub(crate) fn mirrored(point: [f32; 3], image: [f32; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|axis| point[axis] * image[axis])
+/// The triangles of what is drawn of a face in a state.
+pub(crate) fn triangles(face: &SceneFace, film: &FilmState) -> impl Iterator<Item = [u32; 3]> {
+    let drawn = face.patches.iter().zip(face.drawn(film)).filter(|(_, is_drawn)| *is_drawn);
+    drawn.flat_map(|(&[a, b, c, d], _)| [[a, b, c], [a, c, d]].into_iter().take(if c == d { 1 } else { 2 }))
 }

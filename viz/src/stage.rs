@@ -22,8 +22,9 @@ use thiserror::Error;
 use crate::eye::Eye;
 use crate::film::{self, Film};
 use crate::quantity::TIME;
-use crate::scene::{Document, Event, FilmSnapshot, Pose, Scene, Severity, SignalTrack};
+use crate::scene::{Document, Event, Scene, Severity, SignalTrack};
 use crate::{VizError, diagram, layout};
+use scene::simulate::Snapshot;
 
 /// Name of the application in the viewer, which stores one layout for all its recordings.
 const APPLICATION: &str = "droptower";
@@ -39,7 +40,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Begins the file `path`, replacing what is there, with all that `scene` holds; states of its films follow.
+    /// Begins the file `path`, replacing what is there, with all that `scene` holds; its snapshots follow.
     ///
     /// # Errors
     /// The file cannot be written, or lists of the scene do not fit each other; then nothing is written.
@@ -61,16 +62,24 @@ impl Stage {
         Stage::begin(stream, None, scene)
     }
 
-    /// Logs a state of the film with this index.
+    /// Logs the face of this index in a snapshot of the scene.
     ///
     /// # Errors
-    /// The state is not one of that film.
-    pub fn film(&mut self, index: usize, snapshot: &FilmSnapshot) -> Result<(), VizError> {
-        let (Some(track), Some(film)) = (self.scene.films.get(index), self.films.get_mut(index)) else {
-            return Err(VizError::Mismatch(format!("there is no film {index}")));
-        };
-        track.check(snapshot, self.scene.quantities.len())?;
-        Ok(film.log(&self.stream, track, snapshot, &self.scene.quantities)?)
+    /// It cannot be written.
+    pub fn film(&mut self, face: usize, snapshot: &Snapshot) -> Result<(), VizError> {
+        let (shape, film) = (&self.scene.faces[face], &snapshot.films[face]);
+        self.stream.set_duration_secs(TIME, snapshot.time);
+        Ok(self.films[face].log(&self.stream, shape, film, &self.scene.quantities)?)
+    }
+
+    /// Logs where the bodies are in a snapshot of the scene.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn bodies(&self, snapshot: &Snapshot) -> Result<(), VizError> {
+        self.stream.set_duration_secs(TIME, snapshot.time);
+        let mut placed = self.scene.bodies.iter().zip(&snapshot.impactors);
+        Ok(placed.try_for_each(|(body, pose)| film::log_pose(&self.stream, body, pose))?)
     }
 
     /// Sets the colour range of each quantity for the snapshots from `from` (s) on.
@@ -85,24 +94,18 @@ impl Stage {
         Ok(())
     }
 
-    /// Replaces the texts, signals, charts, diagrams and events by those of `rest` and sends the layout for them. Of
+    /// Replaces the texts, charts, diagrams and events by those of `rest` and sends the layout for them. Of
     /// signals that were logged before, `rest` holds the new values.
     ///
     /// # Errors
     /// Lists of `rest` do not fit each other.
     pub fn complete(&mut self, rest: Scene) -> Result<(), VizError> {
         rest.check()?;
-        let Scene { documents, signals, charts, more_charts, diagrams, events, .. } = rest;
+        let Scene { documents, charts, diagrams, events, .. } = rest;
         let scene = std::mem::take(&mut self.scene);
-        self.scene = Scene { documents, signals, charts, more_charts, diagrams, events, ..scene };
+        self.scene = Scene { documents, charts, diagrams, events, ..scene };
         layout::send(&self.stream, &self.scene)?;
         self.log_lists()
-    }
-
-    /// Logs the pose of the body of this index, if the scene has it.
-    pub fn pose(&self, body: usize, pose: &Pose) -> Result<(), VizError> {
-        let Some(body) = self.scene.bodies.get(body) else { return Ok(()) };
-        Ok(film::log_pose(&self.stream, body, pose)?)
     }
 
     /// Logs further values of the signal at `path`, each at its time (s).
@@ -140,13 +143,11 @@ impl Stage {
             quantity.log_bar(&stream)?;
             quantity.log_numbers(&stream, 0.0)?;
         }
-        let films = scene.films.iter().map(|film| Film::begin(&stream, film, &scene.extent));
+        let films = scene.faces.iter().enumerate();
+        let films = films.map(|(number, face)| Film::begin(&stream, number, face, &scene.extent));
         let films = films.collect::<Result<_, _>>()?;
         let stage = Stage { stream, file, scene, films };
-        for (index, body) in stage.scene.bodies.iter().enumerate() {
-            film::log_shape(&stage.stream, body)?;
-            body.poses.iter().try_for_each(|pose| stage.pose(index, pose))?;
-        }
+        stage.scene.bodies.iter().try_for_each(|body| film::log_shape(&stage.stream, body))?;
         stage.scene.points.iter().try_for_each(|track| film::log_points(&stage.stream, track))?;
         stage.log_lists()?;
         Ok(stage)
@@ -154,10 +155,10 @@ impl Stage {
 
     /// Texts, signals, diagrams and events of the scene.
     fn log_lists(&self) -> Result<(), VizError> {
-        let Scene { documents, signals, diagrams, events, .. } = &self.scene;
+        let Scene { documents, charts, diagrams, events, .. } = &self.scene;
         documents.iter().try_for_each(|document| self.document(document))?;
-        signals.iter().try_for_each(|signal| self.signal(signal))?;
-        diagrams.iter().try_for_each(|diagram| diagram::log(&self.stream, diagram))?;
+        charts.tracks().try_for_each(|signal| self.signal(signal))?;
+        diagrams.iter().enumerate().try_for_each(|(index, plot)| diagram::log(&self.stream, index, plot))?;
         events.iter().try_for_each(|event| self.event(event))
     }
 

@@ -3,17 +3,19 @@
 use std::time::Duration;
 
 use droptower_viz::{
-    BodyTrack, Chart, Diagram, Document, Event, Extent, FilmSnapshot, FilmTrack, PointState, PointTrack, Pose,
-    Quantity, Scene, Severity, SignalTrack, SpringTrack, Stage, Stroke, TIME, VizError,
+    Body, Chart, Charts, Document, Event, Extent, PointState, PointTrack, Quantity, Scene, Severity, SignalTrack,
+    Stage, Stroke, TIME,
 };
 use playback::Playback;
 use plot::{Curve, Plot, Window};
 use re_sdk_types::archetypes::{LineStrips2D, LineStrips3D, Points2D, Transform3D};
 use re_sdk_types::blueprint::components::{ContainerKind, IncludedContent, PlaybackSpeed, ViewClass};
 use re_sdk_types::components::{Color, LineStrip2D, LineStrip3D, Text, Translation3D};
+use report::geometry::{FIELDS, SceneBody, SceneFace};
+use scene::simulate::{FilmSpring, FilmState, Snapshot};
 
 /// A film and its states.
-type Film = (FilmTrack, Vec<FilmSnapshot>);
+type Film = (SceneFace, Vec<Snapshot>);
 
 /// A square of n × n cells that sinks to a depth of one tenth, over `snapshots` states.
 fn film(n: u32, snapshots: usize) -> Film {
@@ -24,19 +26,18 @@ fn film(n: u32, snapshots: usize) -> Film {
         [a, b, c, d]
     };
     let cells = (0..n).flat_map(|row| (0..n).map(move |column| [row, column]));
-    let track = FilmTrack {
-        name: "film".to_owned(),
+    let face = SceneFace {
         nodes: ((n + 1) * (n + 1)) as usize,
         patches: cells.map(|[row, column]| cell(row, column)).collect(),
         held: vec![[0, 1]],
-        springs: vec![SpringTrack { anchor: [0.1, -0.1, 0.0], nodes: [0, 1], shares: [0.25, 0.75] }],
-        images: vec![[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
+        springs: vec![FilmSpring { anchor: [0.1, -0.1, 0.0], nodes: [0, 1], shares: [0.25, 0.75] }],
+        mirrored: [true; 2],
     };
-    (track, (0..snapshots).map(|index| state(n, index, snapshots)).collect())
+    (face, (0..snapshots).map(|index| state(n, index, snapshots)).collect())
 }
 
 /// Sinks like a membrane under a sphere, with a ripple so that every digit moves.
-fn state(n: u32, index: usize, snapshots: usize) -> FilmSnapshot {
+fn state(n: u32, index: usize, snapshots: usize) -> Snapshot {
     let share = index as f32 / (snapshots - 1) as f32;
     let nodes = (0..=n).flat_map(|row| (0..=n).map(move |column| [column, row]));
     let position = |[column, row]: [u32; 2]| {
@@ -44,18 +45,24 @@ fn state(n: u32, index: usize, snapshots: usize) -> FilmSnapshot {
         let ripple = 1e-3 * share * (97.0 * x + 61.0 * y + 40.0 * share).sin();
         [x, y, -0.1 * share * (1.0 - 25.0 * (x * x).max(y * y)) + ripple]
     };
-    let positions: Vec<[f32; 3]> = nodes.map(position).collect();
-    FilmSnapshot {
-        time: index as f64 * 5e-4,
-        values: vec![positions.iter().map(|p| -p[2]).collect(); 2],
-        visible: vec![true; (n * n) as usize],
+    let film = FilmState {
+        positions: nodes.map(position).collect(),
+        strains: vec![[0.1 * share, 0.05 * share, 0.0]; (n * n) as usize],
+        failed: vec![false; (n * n) as usize],
         in_contact: if index == 0 { vec![] } else { vec![0, 1, 2] },
-        positions,
-    }
+        ..FilmState::default()
+    };
+    Snapshot { films: vec![film], ..bodies(index as f64 * 5e-4, 0.0) }
 }
 
-fn quantity(key: &'static str) -> Quantity {
-    Quantity { key, title: key.to_owned(), words: key.to_owned(), range: [0.0, 0.1] }
+/// The impactor at a height.
+fn bodies(time: f64, height: f64) -> Snapshot {
+    Snapshot { time, films: vec![], impactors: vec![([0.0, 0.0, height], [0.0, 0.0, 0.0, 1.0])] }
+}
+
+fn quantity(key: &str) -> Quantity {
+    let field = FIELDS.iter().find(|field| field.key == key).unwrap();
+    Quantity { field, range: [0.0, 0.1] }
 }
 
 #[test]
@@ -83,25 +90,28 @@ fn signal(name: &str, samples: usize) -> SignalTrack {
     }
 }
 
+fn beside(charts: Vec<Chart>) -> Charts {
+    Charts { beside: charts, tabs: vec![] }
+}
+
 fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
-    let ends = films.iter().flat_map(|(track, snapshots)| snapshots.iter().map(move |snapshot| (track, snapshot)));
+    let ends = films.iter().flat_map(|(face, snapshots)| snapshots.iter().map(move |snapshot| (face, snapshot)));
     Scene {
-        extent: ends.fold(Extent::default(), |extent, (track, snapshot)| extent.with(track, snapshot)),
+        extent: ends.fold(Extent::default(), |extent, (face, snapshot)| extent.with(face, &snapshot.films[0])),
         name: "test".to_owned(),
         documents: vec![Document { path: "summary".into(), title: "Summary".into(), text: "# A test".into() }],
-        charts: vec![Chart { title: "All".to_owned(), signals: signals.iter().map(|s| s.path.clone()).collect() }],
-        bodies: vec![BodyTrack {
+        charts: beside(vec![Chart { title: "All".to_owned(), tracks: signals }]),
+        bodies: vec![Body {
             name: "impactor".to_owned(),
-            points: vec![[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0, 0.1, -0.1], [0.0, -0.1, -0.1]],
-            patches: vec![[0, 2, 1, 1], [0, 1, 3, 3], [0, 3, 2, 2], [1, 2, 3, 3]],
-            poses: (0..3)
-                .map(|i| Pose { time: f64::from(i), position: [0.0, 0.0, i as f32], rotation: [0.0, 0.0, 0.0, 1.0] })
-                .collect(),
+            surface: SceneBody {
+                points: vec![[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0, 0.1, -0.1], [0.0, -0.1, -0.1]],
+                patches: vec![[0, 2, 1, 1], [0, 1, 3, 3], [0, 3, 2, 2], [1, 2, 3, 3]],
+            },
+            top: 0.1,
         }],
         events: vec![Event { time: 0.5, severity: Severity::Warning, text: "rupture".to_owned() }],
         quantities: vec![quantity("md"), quantity("td")],
-        films: films.iter().map(|(track, _)| track.clone()).collect(),
-        signals,
+        faces: films.iter().map(|(face, _)| face.clone()).collect(),
         ..Scene::default()
     }
 }
@@ -110,8 +120,14 @@ fn scene(films: &[Film], signals: Vec<SignalTrack>) -> Scene {
 fn written(scene: Scene, films: &[Film]) -> Playback {
     played(scene, |stage| {
         for (index, (_, snapshots)) in films.iter().enumerate() {
-            snapshots.iter().for_each(|snapshot| stage.film(index, snapshot).unwrap());
+            // Of a face alone, which is that of its index.
+            let all = |snapshot: &Snapshot| Snapshot {
+                films: vec![snapshot.films[0].clone(); index + 1],
+                ..snapshot.clone()
+            };
+            snapshots.iter().for_each(|snapshot| stage.film(index, &all(snapshot)).unwrap());
         }
+        (0..3).for_each(|place| stage.bodies(&bodies(f64::from(place), f64::from(place))).unwrap());
     })
 }
 
@@ -132,34 +148,36 @@ fn everything_in_the_scene_comes_back() {
     let films = [film(4, 5)];
     let played = written(scene(&films, vec![signal("velocity_m_s", 1200)]), &films);
     let entities: Vec<&str> = played.entities().collect();
-    for entity in ["/", "/scene/film", "/scene/impactor", "/scene/frame/film", "/legends/td/bar", "/summary", "/events"]
+    for entity in
+        ["/", "/scene/face-1", "/scene/impactor", "/scene/frame/face-1", "/legends/td/bar", "/summary", "/events"]
     {
         assert!(entities.contains(&entity), "{entity} in {entities:?}");
     }
 
-    let states = played.nodes("/scene/film");
+    let states = played.nodes("/scene/face-1");
     assert_eq!((states.len(), states[4].0), (5, 2_000_000));
-    for (read, given) in states[4].1.iter().flatten().zip(films[0].1[4].positions.iter().flatten()) {
+    for (read, given) in states[4].1.iter().flatten().zip(films[0].1[4].films[0].positions.iter().flatten()) {
         assert!((read - given).abs() <= 0.5 / 32_768.0);
     }
-    let triangles = played.triangles("/scene/film");
+    let triangles = played.triangles("/scene/face-1");
     assert_eq!((triangles.len(), triangles[0].0), (1, 0), "triangles that stay are logged once");
     for quantity in ["Colours:md", "Colours:td"] {
-        assert_eq!(played.rows::<Color>(TIME, "/scene/film", quantity.into()).len(), 5);
+        assert_eq!(played.rows::<Color>(TIME, "/scene/face-1", quantity.into()).len(), 5);
     }
-    let in_contact = played.marks("/scene/contact/film");
+    let in_contact = played.marks("/scene/contact/face-1");
     let counts: Vec<usize> = in_contact.iter().map(|(_, points)| points.len()).collect();
     assert_eq!(counts, [12; 4], "four images of three nodes, from the second state on");
     let strips = LineStrips3D::descriptor_strips().component;
-    let held = played.rows::<LineStrip3D>(TIME, "/scene/frame/film", strips);
+    let held = played.rows::<LineStrip3D>(TIME, "/scene/frame/face-1", strips);
     assert_eq!(held.iter().map(|(_, strips)| strips.len()).collect::<Vec<_>>(), [4; 5], "edges that move follow");
-    let springs = played.rows::<LineStrip3D>(TIME, "/scene/springs/film", LineStrips3D::descriptor_strips().component);
+    let springs =
+        played.rows::<LineStrip3D>(TIME, "/scene/springs/face-1", LineStrips3D::descriptor_strips().component);
     assert_eq!(
         springs.iter().map(|(_, strips)| strips.len()).collect::<Vec<_>>(),
         [4; 5],
         "springs follow their edges"
     );
-    let [from, to] = [0, 1].map(|node| films[0].1[4].positions[node]);
+    let [from, to] = [0, 1].map(|node| films[0].1[4].films[0].positions[node]);
     for (axis, (read, anchor)) in springs[4].1[0].0[1].0.iter().zip(springs[4].1[0].0[0].0).enumerate() {
         assert!(
             (read - (0.25 * from[axis] + 0.75 * to[axis])).abs() < 1e-4
@@ -176,11 +194,11 @@ fn everything_in_the_scene_comes_back() {
 
 #[test]
 fn failed_elements_are_hidden() {
-    let (track, mut snapshots) = film(2, 4);
-    snapshots[2].visible[3] = false;
-    snapshots[3].visible.fill(false);
-    let films = [(track, snapshots)];
-    let triangles = written(scene(&films, Vec::new()), &films).triangles("/scene/film");
+    let (face, mut snapshots) = film(2, 4);
+    snapshots[2].films[0].failed[3] = true;
+    snapshots[3].films[0].failed.fill(true);
+    let films = [(face, snapshots)];
+    let triangles = written(scene(&films, Vec::new()), &films).triangles("/scene/face-1");
     let counts: Vec<_> = triangles.iter().map(|(time, t)| (*time, t.len())).collect();
     // An empty film is one triangle without area.
     assert_eq!(counts, [(0, 8), (1_000_000, 6), (1_500_000, 1)]);
@@ -201,7 +219,7 @@ fn the_blueprint_arranges_the_views() {
 #[test]
 fn the_layout_of_every_recording_is_whole() {
     for sides in [3, 4, 3] {
-        let films = [film(sides, 2), (FilmTrack { name: "second".to_owned(), ..film(sides, 2).0 }, film(sides, 2).1)];
+        let films = [film(sides, 2), film(sides, 2)];
         let played = written(scene(&films, vec![signal("a", 10)]), &films);
         let all: Vec<&str> = played.blueprint().collect();
         let view = |path: &&str| path.strip_prefix("/view/").is_some_and(|rest| !rest.contains('/'));
@@ -210,7 +228,7 @@ fn the_layout_of_every_recording_is_whole() {
         for path in all.iter().filter(|path| path.starts_with("/view/")) {
             assert!(views.iter().any(|view| path.starts_with(view)), "{path} belongs to none of {views:?}");
         }
-        for film in ["film", "second"] {
+        for film in ["face-1", "face-2"] {
             let place = format!("/ViewContents/overrides/scene/{film}/visualizers");
             assert_eq!(all.iter().filter(|path| path.ends_with(&place)).count(), 2, "{film}: {all:?}");
         }
@@ -246,11 +264,11 @@ fn a_diagram_has_its_curves_in_the_plane_of_the_viewer() {
 }
 
 /// A diagram of a line and of its reference.
-fn diagram() -> Diagram {
+fn diagram() -> Plot {
     let line = |height: f64| Curve::line("curve", [[0.0, 0.0], [1.0, height]]);
     let plot = Plot::new("a line", ["x", "y"], vec![line(1.0), line(0.2).dashed()]);
     let window = Some(Window { label: "window".to_owned(), range: [0.0, 0.5] });
-    Diagram { path: "plots/0".to_owned(), plot: Plot { window, ..plot } }
+    Plot { window, ..plot }
 }
 
 /// Kinds of the views that a recording opens with, in alphabetical order.
@@ -264,13 +282,13 @@ fn views(played: &Playback) -> Vec<String> {
 
 #[test]
 fn a_small_film_is_rounded_by_its_own_size() {
-    let (mut track, mut snapshots) = film(10, 2);
-    track.springs.clear();
-    let tiny = |snapshot: &mut FilmSnapshot| snapshot.positions.iter_mut().flatten().for_each(|c| *c *= 2.5e-3);
-    snapshots.iter_mut().for_each(tiny);
-    let films = [(track, snapshots)];
-    let states = written(scene(&films, vec![]), &films).nodes("/scene/film");
-    for (read, given) in states[1].1.iter().flatten().zip(films[0].1[1].positions.iter().flatten()) {
+    let (mut face, mut snapshots) = film(10, 2);
+    face.springs.clear();
+    let positions = snapshots.iter_mut().flat_map(|snapshot| &mut snapshot.films[0].positions);
+    positions.flatten().for_each(|c| *c *= 2.5e-3);
+    let films = [(face, snapshots)];
+    let states = written(scene(&films, vec![]), &films).nodes("/scene/face-1");
+    for (read, given) in states[1].1.iter().flatten().zip(films[0].1[1].films[0].positions.iter().flatten()) {
         assert!((read - given).abs() <= 1e-3 / 16_384.0, "{read} {given}");
     }
 }
@@ -315,9 +333,9 @@ fn speeds(played: &Playback) -> Vec<f64> {
 #[test]
 fn many_charts_stand_behind_each_other_and_nothing_that_lasts_no_time_is_played() {
     let signals: Vec<SignalTrack> = (0..30).map(|index| signal(&index.to_string(), 2)).collect();
-    let chart = |track: &SignalTrack| Chart { title: track.label.clone(), signals: vec![track.path.clone()] };
-    let charts = signals.iter().map(chart).collect();
-    let played = written(Scene { charts, ..scene(&[], signals) }, &[]);
+    let chart = |track: SignalTrack| Chart { title: track.label.clone(), tracks: vec![track] };
+    let charts = beside(signals.into_iter().map(chart).collect());
+    let played = written(Scene { charts, ..scene(&[], vec![]) }, &[]);
     let rows = |path: &str| {
         played.blueprint_rows::<IncludedContent>(path, "ContainerBlueprint:contents".into()).into_iter().last()
     };
@@ -331,17 +349,6 @@ fn many_charts_stand_behind_each_other_and_nothing_that_lasts_no_time_is_played(
 
 #[test]
 fn lists_that_do_not_fit_are_refused() {
-    let films = [film(2, 2)];
-    let mut short = films[0].1[1].clone();
-    short.positions.pop();
-    played(scene(&films, Vec::new()), |stage| {
-        let refusal = |error: VizError| error.to_string();
-        assert_eq!(
-            stage.film(0, &short).map_err(refusal),
-            Err("recording: film `film` at 0.0005 s: 8 positions or values for 9 nodes".into())
-        );
-        assert_eq!(stage.film(1, &short).map_err(refusal), Err("recording: there is no film 1".into()));
-    });
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
     let longer = SignalTrack { values: vec![0.0; 3], ..signal("force_N", 2) };

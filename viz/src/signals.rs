@@ -1,10 +1,10 @@
 //! Signals over time in a recording: in the units of its charts, simulated over measured.
 
-use viz::{Chart, SignalTrack, Stroke};
-
-use crate::panes::{self, Pane, PaneCurve, Shown};
+use crate::quantity::Stroke;
+use crate::scene::{Chart, Charts, SignalTrack};
 use lab::signal::Recording;
 use lab::signal::column::{self, Column};
+use report::panes::{self, Pane, PaneCurve, Shown};
 use study::post::ReferenceComparison;
 
 /// The reference of a run, and the time up to which it is shown, s.
@@ -27,42 +27,29 @@ fn measured_tracks((comparison, end): Measured<'_>, pane: &Pane, own: &[SignalTr
     pane.measured.iter().filter_map(of).collect()
 }
 
-/// Charts and their signals.
-#[derive(Default)]
-pub(super) struct Signals {
-    pub(super) tracks: Vec<SignalTrack>,
-    pub(super) charts: Vec<Chart>,
-    pub(super) more_charts: Vec<Chart>,
-}
-
 /// All signals of a run up to now, and beneath them the reference up to the time `end`, s.
-pub(super) fn charted(
+pub(crate) fn charted(
     signals: &Recording,
     energies: &Recording,
     comparison: Option<&ReferenceComparison>,
     end: f64,
-) -> Signals {
+) -> Charts {
     let measured = comparison.map(|comparison| (comparison, end));
-    let mut out = Signals::default();
+    let mut out = Charts::default();
     for pane in panes::panes() {
         let charts = match pane.shown {
             Shown::Page => continue,
-            Shown::Beside => &mut out.charts,
-            Shown::Tab | Shown::PageAndTab => &mut out.more_charts,
+            Shown::Beside => &mut out.beside,
+            Shown::Tab | Shown::PageAndTab => &mut out.tabs,
         };
-        charts.extend(chart_of(&pane, signals, measured, &mut out.tracks));
+        charts.extend(chart_of(&pane, signals, measured));
     }
-    out.more_charts.extend(audit(energies, &mut out.tracks));
+    out.tabs.extend(audit(energies));
     out
 }
 
 /// The chart of a pane; `None` where the run has none of its channels.
-fn chart_of(
-    pane: &Pane,
-    signals: &Recording,
-    measured: Option<Measured<'_>>,
-    all: &mut Vec<SignalTrack>,
-) -> Option<Chart> {
+fn chart_of(pane: &Pane, signals: &Recording, measured: Option<Measured<'_>>) -> Option<Chart> {
     let title = format!("{}, {}", pane.title(signals)?, pane.columns[0].0.axis_unit);
     let own = pane.curves(signals).into_iter().enumerate().map(|(index, curve)| {
         let PaneCurve { column, prefix, label, values } = curve;
@@ -75,7 +62,7 @@ fn chart_of(
     let measured = measured.filter(|_| !own.is_empty());
     let mut tracks = measured.map(|measured| measured_tracks(measured, pane, &own)).unwrap_or_default();
     tracks.extend(own);
-    chart(&title, tracks, all)
+    chart(&title, tracks)
 }
 
 /// The name of a column below the entity `signals`, with the unit that it is shown in.
@@ -88,7 +75,7 @@ fn entity(column: &Column) -> String {
 }
 
 /// Every term of the energy audit that is not zero throughout; all terms of a single sample.
-fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
+fn audit(energies: &Recording) -> Option<Chart> {
     let is_there = |values: &[f64]| values.len() < 2 || values.iter().any(|value| *value != 0.0);
     let terms = energies.channels.iter().filter(|channel| is_there(&channel.values));
     let tracks = terms.enumerate().map(|(index, channel)| {
@@ -102,7 +89,7 @@ fn audit(energies: &Recording, all: &mut Vec<SignalTrack>) -> Option<Chart> {
             stroke: Stroke::nth(index),
         }
     });
-    chart("Energy audit, J", tracks.collect(), all)
+    chart("Energy audit, J", tracks.collect())
 }
 
 fn track(path: String, label: String, [time, values]: [&[f64]; 2], factor: f64, stroke: Stroke) -> SignalTrack {
@@ -115,10 +102,8 @@ fn track(path: String, label: String, [time, values]: [&[f64]; 2], factor: f64, 
     }
 }
 
-fn chart(title: &str, tracks: Vec<SignalTrack>, all: &mut Vec<SignalTrack>) -> Option<Chart> {
-    let signals: Vec<String> = tracks.iter().map(|track| track.path.clone()).collect();
-    all.extend(tracks);
-    (!signals.is_empty()).then(|| Chart { title: title.to_owned(), signals })
+fn chart(title: &str, tracks: Vec<SignalTrack>) -> Option<Chart> {
+    (!tracks.is_empty()).then(|| Chart { title: title.to_owned(), tracks })
 }
 
 #[cfg(test)]
@@ -134,8 +119,9 @@ mod tests {
     #[test]
     fn charts_show_the_channels_that_a_run_has_in_their_units() {
         let signals = recording(&["displacement_m", "force_N", "velocity_m_s"]);
-        let Signals { tracks, charts, more_charts } = charted(&signals, &recording(&["hourglass_J"]), None, 1.0);
-        let shown = charts.iter().chain(&more_charts).map(|c| (c.title.as_str(), c.signals.join(" ")));
+        let charts = charted(&signals, &recording(&["hourglass_J"]), None, 1.0);
+        let paths = |chart: &Chart| chart.tracks.iter().map(|track| track.path.clone()).collect::<Vec<_>>().join(" ");
+        let shown = charts.beside.iter().chain(&charts.tabs).map(|chart| (chart.title.as_str(), paths(chart)));
         let expected = [
             ("Displacement, mm", "signals/displacement_mm"),
             ("Force, N", "signals/force_N"),
@@ -144,7 +130,7 @@ mod tests {
         ];
         let expected = expected.map(|(title, paths)| (title, paths.to_owned()));
         assert_eq!(shown.collect::<Vec<_>>(), expected);
-        assert_eq!(tracks[0].values, [0.0, 500.0]);
+        assert_eq!(charts.beside[0].tracks[0].values, [0.0, 500.0]);
     }
 
     #[test]
@@ -164,9 +150,10 @@ mod tests {
             run_speed: 0.0,
             field: None,
         };
-        let Signals { tracks, charts, .. } =
-            charted(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
-        assert_eq!(charts[0].signals, ["measured/displacement_mm", "signals/displacement_mm"]);
+        let charts = charted(&recording(&["displacement_m"]), &recording(&[]), Some(&comparison), 0.1);
+        let tracks = &charts.beside[0].tracks;
+        let paths: Vec<&str> = tracks.iter().map(|track| track.path.as_str()).collect();
+        assert_eq!(paths, ["measured/displacement_mm", "signals/displacement_mm"]);
         assert_eq!(
             (tracks[0].label.as_str(), tracks[0].values.as_slice()),
             ("measured (virtual)", &[-100.0, -200.0][..])
@@ -191,8 +178,8 @@ mod tests {
             field: None,
         };
         let names = ["displacement_m", "kinetic_energy_J", "absorbed_energy_J", "total_energy_J"];
-        let tracks = charted(&recording(&names), &recording(&[]), Some(&comparison), 0.1).tracks;
-        let stroke = |path: &str| tracks.iter().find(|track| track.path == path).map(|track| track.stroke);
+        let charts = charted(&recording(&names), &recording(&[]), Some(&comparison), 0.1);
+        let stroke = |path: &str| charts.tracks().find(|track| track.path == path).map(|track| track.stroke);
         let [absorbed, total] = ["absorbed_energy_J", "total_energy_J"].map(|name| stroke(&format!("measured/{name}")));
         assert_ne!(absorbed, total);
         assert_eq!(total, stroke("signals/total_energy_J").map(Stroke::target_of));

@@ -1,14 +1,12 @@
 //! Texts of a recording in Markdown, and its log.
 
-use crate::{RunPage, cell, columns};
+use crate::scene::{Document, Event, Severity};
 use base::number::duration;
 use lab::signal::Recording;
 use lab::signal::column::{self, Column};
+use report::{RunPage, cell, columns, escaped};
 use study::post::lowest_point;
 use study::script::{File, Row, ScriptOutput};
-use viz::{Document, Event, Severity};
-
-pub(super) use crate::figure::escaped;
 
 /// Most files that are shown, lines of each, and characters of each line.
 const MOST_FILES: usize = 20;

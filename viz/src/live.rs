@@ -7,14 +7,16 @@ use std::{io, thread};
 
 use thiserror::Error;
 
-use crate::RunPage;
-use crate::film::is_finite;
-use crate::recording::{self, documents, signals, text};
+use crate::recording::{self, documents};
+use crate::scene::{Scene, SignalTrack};
+use crate::stage::{Address, Stage};
+use crate::{Quantity, VizError, signals, text};
 use lab::signal::{Channel, Recording};
+use report::geometry::{SceneFace, is_finite};
+use report::{RunPage, escaped};
 use scene::model::Model;
-use scene::simulate::SnapshotEvent;
+use scene::simulate::{FilmState, Snapshot, SnapshotEvent};
 use study::post::ReferenceComparison;
-use viz::{Address, FilmSnapshot, Pose, Quantity, Scene, SignalTrack, Stage, VizError};
 
 /// Longest wait for a viewer to answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
@@ -85,9 +87,7 @@ struct Viewer {
 
 /// A snapshot and the samples since the one before.
 struct State {
-    time: f64,
-    films: Vec<FilmSnapshot>,
-    poses: Vec<Pose>,
+    snapshot: Snapshot,
     samples: Vec<SignalTrack>,
     ranges: Option<Vec<[f32; 2]>>,
 }
@@ -164,37 +164,36 @@ impl<'a> Live<'a> {
     /// The scene before its first snapshot.
     fn begin(&mut self, event: &SnapshotEvent<'_>) -> Scene {
         let Live { model, comparison, scenario, .. } = *self;
-        let signals = signals::charted(event.signals, event.energies, comparison, model.run_time());
-        let begun = format!("# {}\n\n{}\n", text::escaped(&model.title), text::escaped(&model.subject()));
+        let charts = signals::charted(event.signals, event.energies, comparison, model.run_time());
+        let begun = format!("# {}\n\n{}\n", escaped(&model.title), escaped(&model.subject()));
         let quantities: Vec<Quantity> = recording::quantities(&[event.snapshot]).into_iter().map(with_margin).collect();
+        let faces: Vec<SceneFace> = event.films.iter().map(SceneFace::from).collect();
         self.sent = samples(event);
-        self.shown = signals.tracks.iter().map(|track| track.path.clone()).collect();
+        self.shown = charts.tracks().map(|track| track.path.clone()).collect();
         self.ranges = quantities.iter().map(|quantity| quantity.range).collect();
         Scene {
             name: model.name.clone(),
             duration: model.run_time(),
             is_live: true,
-            extent: recording::film_extent(event.films, &[event.snapshot]),
+            extent: recording::extent(&faces, &[event.snapshot]),
             documents: vec![text::document(recording::SUMMARY, begun), recording::scenario(scenario)],
             quantities,
-            films: recording::film_tracks(event.films),
-            bodies: recording::body_tracks(model, event.impactors, &[event.snapshot]),
-            signals: signals.tracks,
-            charts: signals.charts,
-            more_charts: signals.more_charts,
+            faces,
+            bodies: recording::bodies(model, event.impactors, Some(&event.snapshot)),
+            charts,
             ..Scene::default()
         }
     }
 
     fn state(&self, event: &SnapshotEvent<'_>, ranges: Option<Vec<[f32; 2]>>) -> State {
-        let films = event.films.iter().enumerate();
         let [signals, energies] = self.sent;
         let (signals, energies) = (since(event.signals, signals), since(event.energies, energies));
+        let Snapshot { time, films, impactors } = event.snapshot;
+        // What a viewer shows: no velocities and stresses.
+        let films = films.iter().map(|film| FilmState { detail: None, ..film.clone() }).collect();
         State {
-            time: event.snapshot.time,
-            films: films.map(|(face, film)| recording::film_state(film, event.snapshot, face)).collect(),
-            poses: recording::poses(event.snapshot).collect(),
-            samples: signals::charted(&signals, &energies, None, f64::INFINITY).tracks,
+            snapshot: Snapshot { time: *time, films, impactors: impactors.clone() },
+            samples: signals::charted(&signals, &energies, None, f64::INFINITY).tracks().cloned().collect(),
             ranges,
         }
     }
@@ -214,22 +213,23 @@ impl<'a> Live<'a> {
     /// the end, the output of the post script, and the log.
     fn rest(&self, run: &RunPage) -> Scene {
         let results = run.results;
-        let all = signals::charted(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
+        let mut charts =
+            signals::charted(&results.signals, &run.outcome.energies, self.comparison, self.model.run_time());
+        let tracks = charts.beside.iter_mut().chain(&mut charts.tabs).flat_map(|chart| &mut chart.tracks);
+        tracks.for_each(|track| self.leave_unsent(track));
         Scene {
             documents: documents(run),
-            signals: all.tracks.into_iter().map(|track| self.unsent(track)).collect(),
-            charts: all.charts,
-            more_charts: all.more_charts,
-            diagrams: recording::diagrams(&results.script_output),
+            charts,
+            diagrams: results.script_output.plots.clone(),
             events: text::listed(run),
             ..Scene::default()
         }
     }
 
-    /// A track without the samples that the viewer has.
-    fn unsent(&self, track: SignalTrack) -> SignalTrack {
+    /// Takes the samples that the viewer has out of a track.
+    fn leave_unsent(&self, track: &mut SignalTrack) {
         if !self.shown.contains(&track.path) {
-            return track;
+            return;
         }
         let [signals, energies] = self.sent;
         let sent = match track.path.split('/').next() {
@@ -238,10 +238,8 @@ impl<'a> Live<'a> {
             // The reference was sent at the beginning.
             _ => track.values.len(),
         };
-        let SignalTrack { mut times, mut values, .. } = track;
-        let times = times.split_off(sent.min(times.len()));
-        let values = values.split_off(sent.min(values.len()));
-        SignalTrack { times, values, ..track }
+        track.times.drain(..sent.min(track.times.len()));
+        track.values.drain(..sent.min(track.values.len()));
     }
 }
 
@@ -261,10 +259,10 @@ impl Viewer {
 /// Sends all snapshots until there are no more, then the results, if there are any.
 fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
-    for State { time, films, poses, samples, ranges } in states {
-        stage.set_ranges(time, &ranges.unwrap_or_default())?;
-        films.iter().enumerate().try_for_each(|(face, film)| stage.film(face, film))?;
-        poses.iter().enumerate().try_for_each(|(body, pose)| stage.pose(body, pose))?;
+    for State { snapshot, samples, ranges } in states {
+        stage.set_ranges(snapshot.time, &ranges.unwrap_or_default())?;
+        (0..snapshot.films.len()).try_for_each(|face| stage.film(face, &snapshot))?;
+        stage.bodies(&snapshot)?;
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.times, &track.values))?;
     }
     end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
@@ -294,10 +292,10 @@ mod tests {
     use super::*;
     use scene::mesh::{Mesh, Quality};
     use scene::scenario::Document;
-    use scene::simulate::{Film, FilmState, Snapshot};
+    use scene::simulate::Film;
 
     fn model() -> Model {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/drop/1008.toml");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/drop/1008.toml");
         Document::read(&path).and_then(|document| scene::model::check(&document)).expect("a model")
     }
 
@@ -376,16 +374,21 @@ mod tests {
         show(0.2, 7);
         assert_eq!(live.lost, 1);
 
-        let whole = signals::charted(&forces(9), &energies, None, f64::INFINITY).tracks.remove(0);
-        let made = SignalTrack { path: "signals/filtered".to_owned(), ..whole.clone() };
-        assert_eq!(live.unsent(whole).values, [7.0, 8.0], "those after the last state that got through");
-        assert_eq!(live.unsent(made).values.len(), 9, "channels that are made in the end come whole");
+        let mut whole = signals::charted(&forces(9), &energies, None, f64::INFINITY).beside.remove(0).tracks.remove(0);
+        let mut made = SignalTrack { path: "signals/filtered".to_owned(), ..whole.clone() };
+        live.leave_unsent(&mut whole);
+        live.leave_unsent(&mut made);
+        assert_eq!(whole.values, [7.0, 8.0], "those after the last state that got through");
+        assert_eq!(made.values.len(), 9, "channels that are made in the end come whole");
     }
 
     #[test]
     fn the_end_is_received_though_the_queue_is_full() {
         let (viewer, states, ends) = viewer();
-        let state = || State { time: 0.0, films: vec![], poses: vec![], samples: vec![], ranges: None };
+        let state = || {
+            let snapshot = Snapshot { time: 0.0, films: vec![], impactors: vec![] };
+            State { snapshot, samples: vec![], ranges: None }
+        };
         viewer.snapshots.try_send(state()).expect("room for one");
         assert!(viewer.snapshots.try_send(state()).is_err(), "and no more");
         viewer.end.send(Scene { name: "end".to_owned(), ..Scene::default() }).expect("room for the end");
