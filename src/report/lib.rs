@@ -33,7 +33,7 @@ pub use crate::html::page;
 pub use crate::progress_page::{Counts, Pace, PageTime, StudyCall, StudyProgress, StudyState, ended_page};
 pub use crate::run_page::{RunPage, run_page};
 pub use crate::script_output::{cell, columns};
-pub use crate::stored::{StoredPage, StoredPageError};
+pub use crate::stored::StoredPage;
 pub use crate::study_page::{StudyPage, study_answer, study_page};
 pub use crate::sweep_page::{SweepPage, sweep_answer, sweep_page};
 pub use crate::test_page::test_page;

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde_json::Value;
-use thiserror::Error;
 
 use crate::drawn::{PLOT, PlotData};
 use crate::film_data::FilmData;
 use crate::{RunScene, html};
+use base::diagnostic::Diagnostic;
 use base::file::{self, FileError};
 use plot::Plot;
 use study::store::run_files;
@@ -31,27 +31,9 @@ pub struct StoredPage {
     film: Option<Value>,
 }
 
-/// Why a page or its film cannot be read back.
-#[derive(Debug, Error)]
-#[error("{message}")]
-pub struct StoredPageError {
-    message: String,
-    /// What helps, where something does.
-    pub hint: Option<&'static str>,
-    /// Whether the page is whole, but not that of a run with snapshots.
-    pub lacks_film: bool,
-}
-
-impl StoredPageError {
-    fn new(message: String, hint: &'static str) -> StoredPageError {
-        StoredPageError { message, hint: Some(hint), lacks_film: false }
-    }
-
-    /// A part of the page at `path` was changed, or written by another version.
-    fn damaged(path: &Path, what: &str, error: &dyn Display) -> StoredPageError {
-        let message = format!("{}: {what} is damaged: {error}", path.display());
-        StoredPageError { message, hint: None, lacks_film: false }
-    }
+/// A part of the page at `path` was changed, or written by another version.
+fn damaged(path: &Path, what: &str, error: &dyn Display) -> Diagnostic {
+    Diagnostic::new(format!("{}: {what} is damaged: {error}", path.display()))
 }
 
 impl StoredPage {
@@ -59,44 +41,43 @@ impl StoredPage {
     ///
     /// # Errors
     /// There is none, or it is damaged.
-    pub fn read(place: &Path) -> Result<StoredPage, StoredPageError> {
+    pub fn read(place: &Path) -> Result<StoredPage, Diagnostic> {
         let path = if place.is_dir() { place.join(run_files::REPORT) } else { place.to_owned() };
         match file::read_text(&path, MOST_BYTES) {
             Ok(text) => StoredPage::parse(path, &text),
-            Err(FileError::NotFound) if place.is_dir() => Err(StoredPageError::new(
-                format!("{} holds no report.html", place.display()),
-                "runs that cannot be measured have none",
-            )),
-            Err(FileError::NotFound) => Err(StoredPageError::new(
-                format!("there is no {}", path.display()),
-                "name the folder of a run, such as runs/drop/1008",
-            )),
-            Err(error) => {
-                let message = format!("{}: {error}", path.display());
-                Err(StoredPageError { message, hint: None, lacks_film: false })
+            Err(FileError::NotFound) if place.is_dir() => {
+                Err(Diagnostic::new(format!("{} holds no report.html", place.display()))
+                    .hint("runs that cannot be measured have none"))
             }
+            Err(FileError::NotFound) => Err(Diagnostic::new(format!("there is no {}", path.display()))
+                .hint("name the folder of a run, such as runs/drop/1008")),
+            Err(error) => Err(Diagnostic::new(format!("{}: {error}", path.display()))),
         }
     }
 
-    fn parse(path: PathBuf, text: &str) -> Result<StoredPage, StoredPageError> {
+    fn parse(path: PathBuf, text: &str) -> Result<StoredPage, Diagnostic> {
         let Some((_, title)) = between(text, "<title>", "</title>").filter(|_| text.contains("<footer>droptower "))
         else {
-            let message = format!("{} is not a page of droptower", path.display());
-            return Err(StoredPageError::new(message, "name the folder of results, or its report.html"));
+            let mistake = Diagnostic::new(format!("{} is not a page of droptower", path.display()));
+            return Err(mistake.hint("name the folder of results, or its report.html"));
         };
         let figures = text.split("<figure class=\"").skip(1);
         let is_plot = |figure: &&str| figure.strip_prefix(PLOT).is_some_and(|rest| rest.starts_with("\">"));
         let plots = figures.filter(is_plot).filter_map(titled_block).map(|(title, block)| {
-            let plot = |block: &str| Ok(PlotData::deserialize(&serde_json::from_str::<Value>(block)?)?.plot(&title));
-            let damaged =
-                |error: serde_json::Error| StoredPageError::damaged(&path, &format!("the plot \"{title}\""), &error);
-            plot(block).map_err(damaged)
+            let data = serde_json::from_str::<Value>(block).and_then(PlotData::deserialize);
+            let data = data.map_err(|error| damaged(&path, &format!("the plot \"{title}\""), &error))?;
+            Ok(data.plot(&title))
         });
         let plots = plots.collect::<Result<_, _>>()?;
         let film = text.split_once("<figure class=\"film\">").and_then(|(_, rest)| html::block(rest));
         let film = film.map(serde_json::from_str).transpose();
-        let film = film.map_err(|error: serde_json::Error| StoredPageError::damaged(&path, "the film", &error))?;
+        let film = film.map_err(|error| damaged(&path, "the film", &error))?;
         Ok(StoredPage { title: html::unescape(title), plots, path, film })
+    }
+
+    /// Whether it is that of a run with snapshots.
+    pub fn has_film(&self) -> bool {
+        self.film.is_some()
     }
 
     /// The film in 3-D: the states that the page holds, coarsened where the mesh is fine, with strains to a 254th of their
@@ -104,16 +85,13 @@ impl StoredPage {
     ///
     /// # Errors
     /// There is none, or it is damaged.
-    pub fn scene(&self) -> Result<RunScene, StoredPageError> {
-        let film = self.film.as_ref().ok_or_else(|| StoredPageError {
-            lacks_film: true,
-            ..StoredPageError::new(
-                format!("{} has no film in 3-D", self.path.display()),
-                "draw one of its plots: --plot NAME; without -o they are listed",
-            )
+    pub fn scene(&self) -> Result<RunScene, Diagnostic> {
+        let film = self.film.as_ref().ok_or_else(|| {
+            Diagnostic::new(format!("{} has no film in 3-D", self.path.display()))
+                .hint("draw one of its plots: --plot NAME; without -o they are listed")
         })?;
         let scene = FilmData::deserialize(film).map_err(|error| error.to_string()).and_then(FilmData::scene);
-        scene.map_err(|error| StoredPageError::damaged(&self.path, "the film", &error))
+        scene.map_err(|error| damaged(&self.path, "the film", &error))
     }
 }
 
@@ -136,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    fn stored(text: &str) -> Result<StoredPage, StoredPageError> {
+    fn stored(text: &str) -> Result<StoredPage, Diagnostic> {
         StoredPage::parse("report.html".into(), text)
     }
 
@@ -162,10 +140,10 @@ mod tests {
 
     #[test]
     fn what_is_not_a_page_is_refused() {
-        let refusal = |text: &str| stored(text).expect_err("a refusal").to_string();
+        let refusal = |text: &str| stored(text).expect_err("a refusal").message;
         assert_eq!(refusal("<title>other</title>"), "report.html is not a page of droptower");
         let page = |body: &str| html::page("t", &format!("{body}<footer>droptower 1</footer>"));
-        assert!(stored(&page("")).expect("a page").scene().expect_err("no film").lacks_film);
+        assert!(!stored(&page("")).expect("a page").has_film());
         let block = |class: &str, data: &str| {
             let data = format!("<script type=\"application/json\">{data}</script>");
             page(&format!("<figure class=\"{class}\"><h3>p</h3>{data}</figure>"))
@@ -173,8 +151,8 @@ mod tests {
         assert!(refusal(&block("plot", "{}")).starts_with("report.html: the plot \"p\" is damaged: "));
         assert!(refusal(&block("film", "{")).starts_with("report.html: the film is damaged: "));
         let empty = stored(&block("film", "{}")).expect("a page").scene().expect_err("no film");
-        assert!(!empty.lacks_film && empty.to_string().starts_with("report.html: the film is damaged: "));
+        assert!(empty.message.starts_with("report.html: the film is damaged: "));
         let missing = StoredPage::read(Path::new("nowhere")).expect_err("nothing there");
-        assert_eq!(missing.to_string(), "there is no nowhere");
+        assert_eq!(missing.message, "there is no nowhere");
     }
 }

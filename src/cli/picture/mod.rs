@@ -7,13 +7,12 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use crate::failure::hinted;
 use crate::{Failure, Shared, output, print_figures};
 use base::diagnostic::{Diagnostic, shown_path};
 use base::number::duration;
 use picture::{Drawing, PictureError};
 use plot::Plot;
-use report::{Field, RunScene, StoredPage, StoredPageError};
+use report::{Field, RunScene, StoredPage};
 
 pub(super) use crate::picture::args::PictureArgs;
 
@@ -36,7 +35,7 @@ enum Format {
 }
 
 pub(crate) fn run(args: &PictureArgs, shared: &Shared) -> Result<(), Failure> {
-    let page = StoredPage::read(&args.run).map_err(|error| unreadable(&error));
+    let page = StoredPage::read(&args.run);
     let Some(out) = args.out.as_deref() else {
         return list(&page?, shared);
     };
@@ -115,10 +114,6 @@ fn check_options_of_surfaces(args: &PictureArgs) -> Result<(), Diagnostic> {
     }
 }
 
-fn unreadable(error: &StoredPageError) -> Diagnostic {
-    hinted(error, error.hint)
-}
-
 fn refused(error: &PictureError) -> Diagnostic {
     let mistake = Diagnostic::new(error.to_string());
     match error {
@@ -179,11 +174,7 @@ pub(crate) fn find<'a>(written: &str, titles: impl Iterator<Item = &'a str>) -> 
 
 /// Prints what of a page can be drawn.
 pub(crate) fn list(page: &StoredPage, shared: &Shared) -> Result<(), Failure> {
-    let scene = match page.scene() {
-        Ok(scene) => Some(scene),
-        Err(error) if error.lacks_film => None,
-        Err(error) => return Err(Diagnostic::new(error.to_string()).into()),
-    };
+    let scene = if page.has_film() { Some(page.scene()?) } else { None };
     let plots: Vec<String> = page.plots.iter().map(|plot| name_of(&plot.title)).collect();
     let scene = scene.as_ref();
     let moments = || scene.into_iter().flat_map(|scene| &scene.moments);

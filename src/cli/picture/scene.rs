@@ -5,7 +5,7 @@ use serde_json::{Map, json};
 use crate::args::quantity;
 use crate::failure::hinted;
 use crate::picture::args::{self, PictureArgs};
-use crate::picture::{Format, Made, find, name_of, refused, unknown, unreadable};
+use crate::picture::{Format, Made, find, name_of, refused, unknown};
 use crate::progress::Bar;
 use crate::scenarios::{self, Checked};
 use crate::{Failure, Shared};
@@ -36,7 +36,7 @@ pub(super) fn draw(
         again(args, shared)?
     } else {
         let page = page?;
-        let scene = page.scene().map_err(|error| unreadable(&error))?;
+        let scene = page.scene()?;
         (page.title, scene)
     };
     let Chosen { state, words } = chosen(&scene, args)?;

@@ -10,7 +10,7 @@ use report::StoredPage;
 
 fuzz_target!(|input: &[u8]| {
     with_file("report.html", input, |path| match StoredPage::read(path) {
-        Ok(page) => drop(page.scene().map_err(|error| error.to_string())),
-        Err(error) => drop(error.to_string()),
+        Ok(page) => drop(page.scene()),
+        Err(error) => drop(error.message),
     });
 });
