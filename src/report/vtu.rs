@@ -100,7 +100,7 @@ fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
     let has_springs = faces.iter().any(|face| !face.springs.is_empty());
     let of_springs = faces.clone();
     let film = Part { name: "film", grid: Box::new(move |snapshot| film_grid(model, outcome, &faces, snapshot)) };
-    let springs = Box::new(move |snapshot: &Snapshot| springs_grid(outcome, &of_springs, snapshot));
+    let springs = Box::new(move |snapshot: &Snapshot| springs_grid(model, outcome, &of_springs, snapshot));
     let springs = has_springs.then(|| Part { name: "springs", grid: springs });
     // The bars come after the impactors.
     let mut impactors = SceneBody::all(&outcome.impactors);
@@ -417,63 +417,50 @@ impl Cell<'_> {
 
 /// A spring in a snapshot, or a mirror image of it.
 struct Line<'a> {
-    /// Number of the face, from 1.
-    face: u32,
+    sheet: &'a Sheet<'a>,
     /// Its own number within the face.
     number: u32,
-    image: Image,
     spring: &'a FilmSpring,
-    detail: &'a SpringDetail,
-    /// Its end on the film now and in the first snapshot, m.
-    ends: [[f32; 3]; 2],
-    /// Velocity of that end, m/s.
-    velocity: [f32; 3],
+    load: &'a SpringDetail,
+}
+
+impl Line<'_> {
+    /// Its end on the film now and in the first snapshot, m, and the velocity of that end, m/s, whose weights are the same.
+    fn on_film(&self) -> [[f32; 3]; 3] {
+        let Sheet { state, rest, detail, .. } = self.sheet;
+        [&state.positions[..], rest, &detail.velocities].map(|of_nodes| self.spring.end(of_nodes))
+    }
 }
 
 /// The springs of `outcome` in a snapshot.
-fn springs_grid(outcome: &Outcome, faces: &[SceneFace], snapshot: &Snapshot) -> Result<Grid, VtuError> {
-    let lines = lines(outcome, faces, snapshot)?;
+fn springs_grid(model: &Model, outcome: &Outcome, faces: &[SceneFace], snapshot: &Snapshot) -> Result<Grid, VtuError> {
+    let sheets = sheets(model, outcome, faces, snapshot)?;
+    let springs = sheets.iter().flat_map(|sheet| {
+        let own = (0..).zip(sheet.shape.springs.iter().zip(&sheet.detail.springs));
+        own.map(move |(number, (spring, load))| Line { sheet, number, spring, load })
+    });
+    let lines: Vec<Line<'_>> = springs.collect();
     // From the frame, which stands still, to the film.
-    let points = |of_frame: &dyn Fn(&Line<'_>) -> [f32; 3], of_film: &dyn Fn(&Line<'_>) -> [f32; 3]| {
-        let ends = lines.iter().flat_map(|line| [of_frame(line), of_film(line)].map(|end| line.image.reflect(end)));
-        ends.collect::<Vec<_>>()
+    let ends = |of: &dyn Fn(&Line<'_>) -> [[f32; 3]; 2]| {
+        lines.iter().flat_map(|line| of(line).map(|end| line.sheet.image.reflect(end))).collect::<Vec<_>>()
     };
     let displacement = |line: &Line<'_>| {
-        let [now, then] = line.ends;
-        [0, 1, 2].map(|axis| now[axis] - then[axis])
+        let [now, then, _] = line.on_film();
+        [[0.0; 3], [0, 1, 2].map(|axis| now[axis] - then[axis])]
     };
-    let still = |_: &Line<'_>| [0.0; 3];
     Ok(Grid {
-        points: points(&|line| line.spring.anchor, &|line| line.ends[0]),
+        points: ends(&|line| [line.spring.anchor, line.on_film()[0]]),
         cells: (0..lines.len() as u64).map(|line| vec![2 * line, 2 * line + 1]).collect(),
         on_points: vec![
-            vectors("displacement_m", points(&still, &displacement).into_iter()),
-            vectors("velocity_m_s", points(&still, &|line| line.velocity).into_iter()),
+            vectors("displacement_m", ends(&displacement).into_iter()),
+            vectors("velocity_m_s", ends(&|line| [[0.0; 3], line.on_film()[2]]).into_iter()),
         ],
         on_cells: vec![
-            scalars("elongation_m", lines.iter().map(|line| line.detail.elongation)),
-            scalars("force_N", lines.iter().map(|line| line.detail.force)),
-            numbers("face", lines.iter().map(|line| line.face)),
+            scalars("elongation_m", lines.iter().map(|line| line.load.elongation)),
+            scalars("force_N", lines.iter().map(|line| line.load.force)),
+            numbers("face", lines.iter().map(|line| line.sheet.number)),
             numbers("spring", lines.iter().map(|line| line.number)),
-            numbers("image", lines.iter().map(|line| line.image.number)),
+            numbers("image", lines.iter().map(|line| line.sheet.image.number)),
         ],
     })
-}
-
-fn lines<'a>(outcome: &'a Outcome, faces: &'a [SceneFace], snapshot: &'a Snapshot) -> Result<Vec<Line<'a>>, VtuError> {
-    let mut lines = vec![];
-    let first = outcome.snapshots.first().unwrap_or(snapshot);
-    let states = snapshot.films.iter().zip(&first.films);
-    for (face, (shape, (state, rest))) in (1..).zip(faces.iter().zip(states)) {
-        let FilmState { positions, detail: Some(detail), .. } = state else { return Err(VtuError::NoDetail) };
-        for image in shape.images() {
-            for (number, (spring, own)) in (0..).zip(shape.springs.iter().zip(&detail.springs)) {
-                let ends = [positions, &rest.positions].map(|positions| spring.end(positions));
-                // The weights of its end are those of the velocities, too.
-                let velocity = spring.end(&detail.velocities);
-                lines.push(Line { face, number, image, spring, detail: own, ends, velocity });
-            }
-        }
-    }
-    Ok(lines)
 }
