@@ -563,11 +563,11 @@ mod tests {
     }
 
     /// A hierarchy against quadrature: without scatter, where its deviation is small against the width of every test (the neck), with
-    /// as much scatter as that width, and with ten times as much.
+    /// ten times as much scatter as that width, and with as much.
     #[test]
     fn the_deviation_of_a_hierarchy_has_the_quantiles_of_quadrature() {
         let mut stream = Stream::new(8);
-        for (count, scatter) in thorough::first(3, [(10, 0.0), (10, 0.05), (10, 0.5), (40, 0.0)]) {
+        for (count, scatter) in thorough::first(2, [(10, 0.0), (10, 0.5), (10, 0.05), (40, 0.0)]) {
             let target = Specimens::new((0..count).map(|_| scatter * stream.normal()).collect(), 0.05, 0.3);
             let mut draws = Stream::new(1);
             let start = || {

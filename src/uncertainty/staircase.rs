@@ -502,7 +502,7 @@ mod tests {
     #[test]
     fn virtual_specimens_have_their_strength() {
         let staircase = Staircase::new(110.0, 10.0).unwrap();
-        for (count, tests) in [(STANDARD_COUNT, 1000_u64), (100, 200)] {
+        for (count, tests) in [(STANDARD_COUNT, thorough::choose(300_u64, 1000)), (100, thorough::choose(60, 200))] {
             let mut stream = Stream::new(count as u64);
             let (mut means, mut deviations, mut covered, mut intervals) = (Vec::new(), Vec::new(), 0, 0);
             let (mut profiles, mut fits, mut likely, mut bounded) = (0, 0, Vec::new(), 0);
@@ -550,7 +550,7 @@ mod tests {
     /// all the same, and every study with that deviation has it.
     #[test]
     fn steps_that_are_too_large_leave_the_deviation_to_the_likelihood() {
-        let (staircase, studies) = (Staircase::new(110.0, 16.0).unwrap(), 1000_u64);
+        let (staircase, studies) = (Staircase::new(110.0, 16.0).unwrap(), thorough::choose(300_u64, 1000));
         let mut stream = Stream::new(16);
         let (mut deviations, mut fits, mut levels, mut bounded, mut of_those) = (Vec::new(), 0, 0, 0, 0);
         for _ in 0..studies {
