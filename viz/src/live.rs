@@ -21,9 +21,9 @@ use study::post::ReferenceComparison;
 /// Longest wait for a viewer to answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Longest wait of the sending thread at the end for what it has sent.
-const SEND_TIMEOUT: Duration = Duration::from_secs(8);
+const SEND_TIMEOUT: Duration = if cfg!(test) { Duration::from_millis(200) } else { Duration::from_secs(8) };
 /// Longest wait of the run at the end for the sending thread.
-const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
+const JOIN_TIMEOUT: Duration = if cfg!(test) { Duration::from_millis(400) } else { Duration::from_secs(10) };
 
 /// Most snapshots in the queue to the viewer; further ones are left out.
 const QUEUE: usize = 64;
@@ -287,6 +287,7 @@ fn since(recording: &Recording, first: usize) -> Recording {
 
 #[cfg(test)]
 mod tests {
+    use std::net::TcpListener;
     use std::path::Path;
 
     use super::*;
@@ -380,6 +381,25 @@ mod tests {
         live.leave_unsent(&mut made);
         assert_eq!(whole.values, [7.0, 8.0], "those after the last state that got through");
         assert_eq!(made.values.len(), 9, "channels that are made in the end come whole");
+    }
+
+    /// A viewer that lets the run connect and never answers.
+    #[test]
+    fn a_silent_viewer_is_waited_for_so_long_and_told() {
+        let door = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = format!("rerun+http://{}/proxy", door.local_addr().expect("an address"));
+        let (model, films, snapshot, signals) = (model(), [film()], stretched(0.1), forces(2));
+        let address = address.parse().expect("an address");
+        let mut live = Live::connect(&address, &model, None, "").expect("an open door");
+        let energies = Recording::default();
+        live.show(&SnapshotEvent {
+            films: &films,
+            impactors: &[],
+            snapshot: &snapshot,
+            signals: &signals,
+            energies: &energies,
+        });
+        assert!(matches!(live.finish(None), Err(LiveError::NotResponding { .. })));
     }
 
     #[test]
