@@ -423,7 +423,7 @@ fn coverage(
 
 /// Studies of a fast run, and of a thorough one.
 fn studies() -> u64 {
-    if std::env::var_os("DROPTOWER_THOROUGH").is_some() { 400 } else { 60 }
+    thorough::choose(60, 400)
 }
 
 /// 95 % hold 95 % but for what so few studies scatter by: three deviations, parameters of one study count as one.
@@ -473,14 +473,16 @@ fn errors_of_any_length_smoothness_and_size_are_covered() {
         ((Smooth(0.1), First), 0.85),
         ((Smooth(0.3), First), 0.75),
     ];
+    // Each study decomposes the covariances of all shapes.
+    let studies = thorough::choose(20, 400);
     for (process, least) in thorough::first(1, processes) {
-        let ([of_95, ..], ..) = coverage(studies(), process, 1, &Shape::all(None), Counted::Pooled);
+        let ([of_95, ..], ..) = coverage(studies, process, 1, &Shape::all(None), Counted::Pooled);
         assert!(of_95 > least, "{of_95}");
     }
-    let ([fixed, ..], ..) = coverage(studies(), (Smooth(0.1), Not), 1, &[ROUGH], Counted::Pooled);
+    let ([fixed, ..], ..) = coverage(studies, (Smooth(0.1), Not), 1, &[ROUGH], Counted::Pooled);
     assert!(fixed < 0.85, "{fixed}");
     let even: Vec<Shape> = Shape::all(None).into_iter().filter(|own| own.size == Size::Even).collect();
-    let ([even, ..], ..) = coverage(studies(), (Smooth(0.3), Along), 1, &even, Counted::Pooled);
+    let ([even, ..], ..) = coverage(studies, (Smooth(0.3), Along), 1, &even, Counted::Pooled);
     assert!(even < 0.85, "{even}");
 }
 
