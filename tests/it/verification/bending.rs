@@ -69,7 +69,7 @@ impl Bent {
 fn a_bent_strip_wrinkles_over_the_share_of_stein_and_hedgepeth() {
     let mut claims = Claims::of("bending");
     for element in ELEMENTS {
-        for share in thorough::first(2, [0.2, 0.6, 0.4, 0.8]) {
+        for share in thorough::first(1, [0.6, 0.2, 0.4, 0.8]) {
             let bent = Bent::new(sheet::wrinkling(YOUNG, POISSON), element, share);
             let what = |claim: &str| format!("{element:?}, wrinkled over {share}, {claim}");
             let tension = 0.5 * YOUNG * THICKNESS * EDGE_STRAIN * HEIGHT * (1.0 - share);

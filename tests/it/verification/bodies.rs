@@ -34,14 +34,14 @@ fn off(name: &str, runs: [&Outcome; 2]) -> f64 {
 #[test]
 fn the_same_run_said_in_two_ways() {
     let mut claims = Claims::of("bodies");
-    let down = |impactor: &str| scene(impactor, "velocity = 3, duration = 0.06", TAUT);
+    let down = |impactor: &str| scene(impactor, "velocity = 3, duration = 0.03", TAUT);
     let reference = down(BALL);
     let cases = [
-        ("velocity as a vector", scene(&format!("{BALL}, velocity = [0, 0, -3]"), "duration = 0.06", TAUT)),
+        ("velocity as a vector", scene(&format!("{BALL}, velocity = [0, 0, -3]"), "duration = 0.03", TAUT)),
         ("a line along z", down(&format!("{BALL}, guide = {{ line = [0, 0, 2] }}"))),
         ("a hinge far away", {
             let hinge = "guide = { hinge = { axis = [0, 1, 0], at = [-3e4, 0, 0] } }, spin = [0, 1e-4, 0]";
-            scene(&format!("{BALL}, {hinge}"), "duration = 0.06", TAUT)
+            scene(&format!("{BALL}, {hinge}"), "duration = 0.03", TAUT)
         }),
         (
             "a compound of one part",

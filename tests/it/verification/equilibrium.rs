@@ -16,9 +16,10 @@ fn two_layers(x: f64, guide: &str, settle: bool) -> Outcome {
     let fabric = "density = 915, thickness = 12e-6, fabric.md = { yield = [[0.26, 8.4e6], [0.84, 20e6]], break = [1.39, 29e6] }, \
                   fabric.td = { yield = [[0.33, 8e6], [0.69, 10e6]], break = [7.0, 16e6] }, \
                   fabric.shear.curve = [[0.3, 4e6], [1.5, 8e6]], fabric.absorption = 0.8896";
+    let size = thorough::choose(0.006, 0.004);
     run(&written(&format!(
         "specimen.shape.rectangle = [0.06, 0.1]
-         specimen.mesh.size = 0.004
+         specimen.mesh.size = {size}
          specimen.material = {{ {fabric} }}
          frame.hold = [\"y-\", \"y+\"]
          impactor = {{ shape.sphere.radius = 0.01, mass = 0.05, friction = 0.2, guide = \"{guide}\", position = [{x}, 0.0] }}
