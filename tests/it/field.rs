@@ -55,8 +55,8 @@ fn coefficients_and_motion_are_found_again() {
 
     let scale = |fibre: &str, k1: f64| format!("specimen.material.fabric.{fibre}.scale={{ k1 = {k1} }}");
     let (md, td) = (scale("md", md), scale("td", td));
-    let run = ["run", &scenario, "--set", COARSE, "--set", &md, "--set", &td, "--out", "run", "--quiet"];
-    printed(&droptower(folder.path(), &run));
+    let changes = [COARSE, &md, &td, "output.frames=4"].map(|change| ["--set", change]).concat();
+    printed(&droptower(folder.path(), &[&["run", &scenario, "--out", "run", "--quiet"][..], &changes].concat()));
     let read = |name: &str| fs::read_to_string(folder.path().join("run").join(name)).expect("a text");
     let summary = workbench::summary(&folder.path().join("run"));
     let field = &summary["field"];

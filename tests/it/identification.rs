@@ -34,7 +34,8 @@ impl Bench {
             Bench { folder: tempfile::tempdir().expect("a folder"), mesh: format!("specimen.mesh.size={mesh}") };
         fs::write(bench.path("search.rhai"), SEARCH).expect("writable");
         let scenario = shipped("scenarios/drop/1008.toml");
-        printed(&bench.droptower(&["run", &scenario, "--set", &bench.mesh, "--out", "recording"]));
+        let changes = ["--set", &bench.mesh, "--set", "output.frames=4"];
+        printed(&bench.droptower(&[&["run", &scenario, "--out", "recording"][..], &changes].concat()));
         bench
     }
 

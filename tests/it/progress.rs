@@ -150,7 +150,7 @@ fn an_interrupted_search_lets_trials_end_and_leaves_the_best_so_far() {
     }
     assert!(page.contains("<li>begins</li>") && page.contains("drop &amp; film: error"));
     assert!(!folder.join("runs/search").exists(), "a part is not stored as the whole");
-    let again = [&arguments[..], &["--stop-after", "1 s", "--quiet"]].concat();
+    let again = [&arguments[..], &["--stop-after", "300 ms", "--quiet"]].concat();
     assert_eq!(droptower(folder, &again).status.code(), Some(1));
 }
 

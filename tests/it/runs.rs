@@ -23,7 +23,8 @@ use droptower::sweep;
 use crate::workbench::{drop_bench, droptower, error, figure, figures, json, printed, printed_text, root, summary};
 
 /// Coarse and short: what is tested is everything around the simulation.
-const QUICK: [&str; 4] = ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms"];
+const QUICK: [&str; 6] =
+    ["--set", "specimen.mesh.size=50mm", "--set", "loading.impact.duration=40ms", "--set", "output.frames=10"];
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run"], arguments, &QUICK].concat())

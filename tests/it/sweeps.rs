@@ -249,7 +249,7 @@ fn a_sweep_that_was_killed_or_terminated_goes_on_from_there() {
     // One that ends before it is stopped, on a busy machine, is started over.
     let stopped = |signal: &str| loop {
         let scene = scene(VARIATION);
-        let mut child = start(scene.path(), &["-n", "200"]);
+        let mut child = start(scene.path(), &["-n", "100"]);
         let has_begun = await_of(&mut child, || evaluations(scene.path()) >= 3);
         let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).output();
         let (_, status) = (kill.expect("kill starts"), child.wait().expect("it ends"));
@@ -263,16 +263,16 @@ fn a_sweep_that_was_killed_or_terminated_goes_on_from_there() {
         assert_eq!(status.code(), if signal == "TERM" { Some(1) } else { None });
         assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
         let before = evaluations(folder);
-        assert!((3..200).contains(&before), "{before}");
-        let found = summary(folder, &["-n", "200"]);
-        assert_eq!([&found["runs"], &found["reused"]], [200, before]);
+        assert!((3..100).contains(&before), "{before}");
+        let found = summary(folder, &["-n", "100"]);
+        assert_eq!([&found["runs"], &found["reused"]], [100, before]);
     }
 }
 
 #[test]
 fn a_sweep_stops_before_its_time_is_over() {
     let scene = scene(VARIATION);
-    let output = sweep(scene.path(), &["-n", "100000", "--stop-after", "1 s"]);
+    let output = sweep(scene.path(), &["-n", "100000", "--stop-after", "300 ms"]);
     assert_eq!(output.status.code(), Some(1), "{}", error(&output));
     assert!(error(&output).contains("of 100000 runs are not done"), "{}", error(&output));
     assert!(error(&output).contains("the same command goes on from there"));

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value as Json;
+use tempfile::TempDir;
 
 use crate::workbench::{close, column, droptower, error, figure, figures, finding_codes, printed, summary};
 
@@ -32,8 +33,9 @@ fn materials_pass_the_check_and_can_be_pulled() {
         printed(&droptower(folder.path(), &["new", "material", kind, &path]));
         assert!(printed(&droptower(folder.path(), &["check", &path])).starts_with("ok"), "{kind}");
         let (film, out) = (format!("specimen.material={path}"), format!("runs/{kind}"));
-        let short = ["--set", "specimen.mesh.size=5mm", "--set", "loading.stretch.until=0.1", "--out", &out];
-        printed(&droptower(folder.path(), &[&["run", "coupon.toml", "--set", &film][..], &short].concat()));
+        let changes = [&film, "specimen.mesh.size=5mm", "loading.stretch.until=0.1", "output.frames=4"];
+        let changes = changes.map(|change| ["--set", change]).concat();
+        printed(&droptower(folder.path(), &[&["run", "coupon.toml", "--out", &out][..], &changes].concat()));
     }
 }
 
@@ -133,7 +135,8 @@ fn the_failure_mass_of_a_dart_is_found(kind: &str) {
     let mass = figure(&summary, "threshold_mass_kg");
     for (share, broke) in [(0.98, false), (1.02, true)] {
         let dart = format!("impactor.mass={}", share * mass);
-        let output = droptower(folder.path(), &["run", &path, "--set", coarse, "--set", &dart, "--json"]);
+        let changes = [coarse, &dart, "output.frames=4"].map(|change| ["--set", change]).concat();
+        let output = droptower(folder.path(), &[&["run", &path, "--json"][..], &changes].concat());
         let runs = figures(&output);
         assert!(runs.to_string().contains(&format!("\"ruptured\":{broke}")), "{kind} at {share}: {runs}");
     }
@@ -178,8 +181,7 @@ thorough::cases!(the_failure_mass_of_a_dart_is_found {
 
 #[test]
 fn the_failure_mass_of_scattered_specimens_is_found() {
-    let folder = tempfile::tempdir().expect("a folder");
-    printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
+    let folder = dart();
     let scattered = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--arg", "range=0", "--force"];
     printed(&droptower(folder.path(), &[&scattered[..], &["--set", "specimen.mesh.size=12mm"]].concat()));
     let first = summary(&folder.path().join("runs/failure-mass"));
@@ -212,7 +214,7 @@ fn the_failure_mass_of_scattered_specimens_is_found() {
 fn the_answer_of_a_run_is_its_verdict() {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "dart.toml"]));
-    let coarse = ["--set", "specimen.mesh.size=8mm", "--unset", "post", "--json"];
+    let coarse = ["--set", "specimen.mesh.size=8mm", "--set", "output.frames=4", "--unset", "post", "--json"];
     let run = |more: &[&str]| {
         figures(&droptower(folder.path(), &[&["run", "dart.toml", "--force"][..], &coarse, more].concat()))
     };
@@ -243,11 +245,16 @@ fn the_answer_of_a_run_is_its_verdict() {
     assert!(early.contains("\"verdict\":\"still descending\""), "{early}");
 }
 
-/// The study of a dart on coarse film with what `more` says, and its answer.
-fn failure_mass(more: &[&str]) -> (Json, String) {
+/// A folder with the scenario of a dart.
+fn dart() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
-    let study = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--set", "specimen.mesh.size=12mm"];
+    folder
+}
+
+/// The study of a dart on coarse film with what `more` says, which takes the runs of those before it, and its answer.
+fn failure_mass(folder: &TempDir, more: &[&str]) -> (Json, String) {
+    let study = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--set", "specimen.mesh.size=12mm", "--force"];
     printed(&droptower(folder.path(), &[&study[..], &["--arg", "specimens=0"], more].concat()));
     let summary = summary(&folder.path().join("runs/failure-mass"));
     let answer = summary["answer"].as_str().expect("an answer").to_owned();
@@ -267,26 +274,26 @@ fn a_known_break_strain_is_not_varied() {
             .filter(|row| row.contains("break"))
             .collect()
     };
-    let (summary, answer) = failure_mass(&known);
+    let folder = dart();
+    let (summary, answer) = failure_mass(&folder, &known);
     assert!(changes(&summary).is_empty(), "{summary}");
     assert!(answer.contains("break_factor 0.44) and not varied") && !answer.contains("calibrate"), "{answer}");
     assert!(answer.contains("too coarse to tell"), "{answer}");
     assert!(!summary["findings"].to_string().contains("implausible"), "{summary}");
-    let (summary, answer) = failure_mass(&[&known[..], &["--arg", "break=0.40..0.48"]].concat());
+    let (summary, answer) = failure_mass(&folder, &[&known[..], &["--arg", "break=0.40..0.48"]].concat());
     assert_eq!(changes(&summary), ["break_factor 0.4 (--arg break)", "break_factor 0.48 (--arg break)"], "{answer}");
 }
 
 /// A drop that ends too early neither holds nor breaks: it runs on, or the study stops. Nor does film without a threshold.
 #[test]
 fn a_drop_that_still_descends_does_not_hold() {
-    let alone = ["--arg", "range=0"];
+    let (folder, alone) = (dart(), ["--arg", "range=0"]);
     let mass = |duration: &str| {
         let duration = format!("loading.impact.duration={duration}");
-        failure_mass(&[&alone[..], &["--set", &duration]].concat()).0["threshold_mass_kg"].as_f64().expect("a mass")
+        let (summary, _) = failure_mass(&folder, &[&alone[..], &["--set", &duration]].concat());
+        figure(&summary, "threshold_mass_kg")
     };
     close(mass("15ms"), mass("50ms"), 1e-9);
-    let folder = tempfile::tempdir().expect("a folder");
-    printed(&droptower(folder.path(), &["new", "d1709-a", "d1709-a.toml"]));
     let refused = |change: &str| {
         let study = ["script", "failure-mass", "--scenario", "d1709-a.toml", "--set", "specimen.mesh.size=12mm"];
         error(&droptower(folder.path(), &[&study[..], &alone, &["--set", change]].concat()))

@@ -32,7 +32,7 @@ fn a_command_that_computes_for_long_shows_it() {
     let mut program = program.expect("the binary starts");
     drop(line);
     let (mut shown, mut bytes) = (String::new(), [0; 4096]);
-    while !shown.contains(" 2s") {
+    while !shown.contains(" 1s") {
         match screen.read(&mut bytes) {
             Ok(count @ 1..) => shown += &String::from_utf8_lossy(&bytes[..count]),
             _ => panic!("it ended without the time: {shown:?}"),

@@ -17,6 +17,7 @@ extends = BASE
 unset = [\"reference\", \"post\"]
 specimen.mesh.size = \"80 mm\"
 loading.impact.duration = \"10 ms\"
+output.frames = 4
 post.script = \"post.rhai\"
 ";
 
@@ -141,7 +142,7 @@ fn a_save_during_a_run_ends_it() {
     save("specimen.mesh.size = \"4 mm\"");
     let watching = Watching::begin(folder.path(), &[]);
     assert_eq!(watching.next()["event"], "watching");
-    thread::sleep(Duration::from_secs(2));
+    thread::sleep(Duration::from_millis(500));
     save("specimen.mesh.size = \"80 mm\"\nloading.impact.duration = \"10 ms\"");
     let run = watching.next();
     assert!(run["summary"]["elements"].as_f64().expect("a number") < 1000.0, "the long run gave no result");

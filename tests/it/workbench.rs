@@ -129,7 +129,7 @@ pub fn scene(more: &str) -> tempfile::TempDir {
     let base = root().join("scenarios/drop/1008.toml");
     let text = format!(
         "extends = {base:?}\nunset = [\"reference\", \"post\"]\nspecimen.mesh.size = \"80 mm\"\n\
-         loading.impact.duration = \"10 ms\"\n{more}\n"
+         loading.impact.duration = \"10 ms\"\noutput.frames = 4\n{more}\n"
     );
     fs::write(folder.path().join("drop.toml"), text).expect("a scenario");
     folder
