@@ -143,8 +143,8 @@ const fn uneven(shape: Shape) -> Shape {
 // Of uneven triangles along one diagonal the tear forks.
 thorough::cases!(the_force_on_torn_trousers_is_that_of_the_fracture_energy {
     squares: columns(13.0), [0.05; 2];
-    triangles_turned: triangles(turned(22.5)), [0.1; 2];
 } thorough {
+    triangles_turned: triangles(turned(22.5)), [0.1; 2];
     small_squares: columns(25.0), [0.05; 2];
     squares_of_5_mm: turned(0.0), [0.1; 2];
     of_triangles: triangles(turned(0.0)), [0.1; 2];

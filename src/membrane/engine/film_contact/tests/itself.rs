@@ -176,7 +176,7 @@ fn halves(lift: f64) -> (Film, Nodes) {
 
 #[test]
 fn the_lips_of_a_cut_meet() {
-    for (lift, pressed) in [(0.0, 40), (0.2, 40), (-1.0, 4)] {
+    for (lift, pressed) in thorough::first(2, [(0.2, 40), (-1.0, 4), (0.0, 40)]) {
         let (film, nodes) = halves(lift);
         let course = free(film, nodes, 0.3, 0.5).course(0.016, 20);
         course.check(pressed, LEAST, course.start);

@@ -275,7 +275,8 @@ fn a_sphere_presses_two_films_on_each_other() {
 #[test]
 fn cloths_come_to_rest_on_a_ball_without_crossing() {
     let loads = Loads { gravity: 9.81, damping: 8.0, ..Loads::default() };
-    let films = [(0.20, 20, 0.3, 0.03), (0.18, 19, 0.7, 0.02), (0.19, 17, 0.0, 0.01)]
+    let cells = thorough::choose([14, 13, 12], [20, 19, 17]);
+    let films = [(0.20, cells[0], 0.3, 0.03), (0.18, cells[1], 0.7, 0.02), (0.19, cells[2], 0.0, 0.01)]
         .map(|(size, cells, angle, height)| (square(size, cells, angle), height, [0.0; 3]));
     let scene = Scene { young: 2e6, friction: 0.3, sphere: Some((0.12, 0.0, 1.0)), loads, ..Scene::default() };
     let mut run = scene.with(&films);
@@ -290,7 +291,8 @@ fn cloths_come_to_rest_on_a_ball_without_crossing() {
     assert!(gained < 1e-3 * last.energies.exchanged(&start.energies), "{gained} {:?}", last.energies);
     let fallen = start.energies.potential - last.energies.potential;
     assert!(last.energies.kinetic_film < 1e-5 * fallen, "{:?}", last.energies);
-    assert!(last.contact.nodes > 600, "{:?}", last.contact);
+    let all: u32 = cells.iter().map(|cells| (cells + 1) * (cells + 1)).sum();
+    assert!(last.contact.nodes as f64 > 0.515 * f64::from(all), "{:?} of {all}", last.contact);
 }
 
 /// A quarter of two stretched films that a ball presses on each other: at the mirror planes pairs of edges have normals
