@@ -127,11 +127,13 @@ fn bodies_beneath_film_are_hidden_and_beside_it_seen() {
 fn a_scene_is_as_large_as_asked_and_the_same_again() {
     let first = draw("one.png", &["--at", "lowest-point"]);
     assert_eq!(first["pixels"], serde_json::json!([1600, 1000]));
-    draw("two.png", &["--at", "lowest"]);
-    let [one, two] = ["one.png", "two.png"].map(|name| fs::read(RUN.path().join(name)).expect("a picture"));
-    assert_eq!(one, two, "the same inputs give the same bytes");
+    let small = ["--size", "640x480", "--dpi", "96", "--view", "front", "--part", "half", "--perspective", "--at"];
+    draw("small.png", &[&small[..], &["lowest-point"]].concat());
+    draw("again.png", &[&small[..], &["lowest"]].concat());
+    let [one, two, again] =
+        ["one.png", "small.png", "again.png"].map(|name| fs::read(RUN.path().join(name)).expect("a picture"));
+    assert_eq!(two, again, "the same inputs give the same bytes");
     assert_eq!(pixels(&RUN.path().join("one.png")).dimensions(), (1600, 1000));
-    draw("small.png", &["--size", "640x480", "--dpi", "96", "--view", "front", "--part", "half", "--perspective"]);
     let small = pixels(&RUN.path().join("small.png"));
     assert_eq!(small.dimensions(), (640, 480));
     let coloured = small.pixels().filter(|pixel| pixel.0.iter().max().unwrap() - pixel.0.iter().min().unwrap() > 60);
@@ -146,12 +148,16 @@ fn the_kept_state_nearest_in_time_is_told() {
     let scene = page.scene().expect("a film");
     let time = |found: serde_json::Value| found["time_s"].as_f64().expect("a time");
     let nearest = scene.nearest(0.0213).time;
-    assert_eq!(time(draw("at.png", &["--at", "21.3 ms"])), nearest);
-    let again = time(draw("again.png", &["--at", "21.3 ms", "--again"]));
+    let small = |name: &str, more: &[&str]| {
+        time(draw(name, &[&["--size", "320x200", "--dpi", "50", "--at"][..], more].concat()))
+    };
+    assert_eq!(small("at.png", &["21.3 ms"]), nearest);
+    let again = small("again.png", &["21.3 ms", "--again"]);
     assert!((again - 0.0213).abs() <= (nearest - 0.0213).abs() && (again - 0.0213).abs() < 1e-3, "{again} {nearest}");
-    let contact = time(draw("contact.png", &["--at", "first-contact"]));
+    let contact = small("contact.png", &["first-contact"]);
     assert!(contact < 0.01, "the drop begins at first contact: {contact}");
-    let text = printed(&droptower(RUN.path(), &["picture", "run", "-o", "told.svg", "--at", "21.3ms"]));
+    let told = ["picture", "run", "-o", "told.svg", "--at", "21.3ms", "--dpi", "50"];
+    let text = printed(&droptower(RUN.path(), &told));
     assert!(
         text.contains("the kept state nearest to 21.3ms") && text.contains("larger fibre strain from 0 to"),
         "{text}"

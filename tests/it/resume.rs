@@ -16,9 +16,17 @@ use droptower::simulate::{self, Checkpoint, Checkpoints, Outcome, Restart, RunEr
 use crate::verification::tower::shipped;
 use crate::workbench::{self, await_of, command, drop_bench, droptower, error, printed, refused, told};
 
-/// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there.
-const SLOW: [&str; 6] =
-    ["--set", "specimen.mesh.size=10mm", "--set", "specimen.symmetry=none", "--set", "loading.impact.duration=6ms"];
+/// Some tens of milliseconds of computing between two checkpoints: enough time to kill the run there. Few snapshots are written.
+const SLOW: [&str; 8] = [
+    "--set",
+    "specimen.mesh.size=10mm",
+    "--set",
+    "specimen.symmetry=none",
+    "--set",
+    "loading.impact.duration=6ms",
+    "--set",
+    "output.frames=4",
+];
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     droptower(folder, &[&["run", "drop.toml"], arguments].concat())
