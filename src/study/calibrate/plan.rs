@@ -353,7 +353,12 @@ impl Plan {
     }
 
     /// The signals of a test by a run of a scenario, or why there are none, as where its film breaks.
-    pub(super) fn simulated(&self, test: usize, study: &ScenarioHandle, session: &Session) -> Result<Vec<Series>, String> {
+    pub(super) fn simulated(
+        &self,
+        test: usize,
+        study: &ScenarioHandle,
+        session: &Session,
+    ) -> Result<Vec<Series>, String> {
         let trial = session.with_trial(session.cancellation());
         let found = self.tests[test].simulated(study, &trial).map_err(|error| cause(&error));
         self.rupture_in(&trial).map_or(found, Err)

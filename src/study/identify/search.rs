@@ -289,7 +289,8 @@ mod tests {
     fn a_search_along_the_logarithm_is_not_stopped_by_a_bound_that_is_far() {
         let decades = |x: &[f64]| vec![10.0 * (x[0] / 0.009).ln(), 0.3];
         let bounds = Bounds::new(&unnamed(1), Some(vec![1e-3]), Some(vec![100.0])).unwrap();
-        for start in [0.009_45, 20.0] {
+        // The last is in the middle but for rounding, where the transform is nearly zero.
+        for start in [0.009_45, 20.0, 0.1_f64.sqrt() * (1.0 + 1e-15)] {
             let method = Search::new(Method::LevenbergMarquardt, vec![start]);
             let search = Search { bounds: bounds.clone().along_logarithms(vec![true]), ..method };
             let best = found(&search, &decades, 1).unwrap();

@@ -18,6 +18,9 @@ const WORST: f64 = 1e3;
 /// whether the linear model promises no more, which it does for ever where an objective is rough.
 const SLOW_ITERATIONS: usize = 3;
 
+/// What the first step may be, over the size of the point: as in MINPACK.
+const STEP_BOUND: f64 = 100.0;
+
 /// Why such a descent ended.
 const SLOW: &str = "three steps in a row changed the sum of squares by less than tol_f of itself";
 
@@ -82,6 +85,10 @@ fn descend(
     let patience = search.max_evaluations.div_ceil(start.len() + 1);
     let method = LevenbergMarquardt::new().with_ftol(search.tol_f).with_xtol(search.tol_x).with_patience(patience);
     let u = search.bounds.u_of(&start);
+    // The first steps are bounded by a multiple of the size of u, which at the centre of all bounds is nothing but rounding.
+    let size = norm(&u);
+    let reach = if size > 0.0 { norm(&search.bounds.scales(&u)) / size } else { 1.0 };
+    let method = method.with_stepbound(STEP_BOUND * reach);
     let mut descent = Descent {
         context,
         worst: WORST * norm(&first),
