@@ -444,7 +444,7 @@ fn probabilities_of_failure_and_their_findings() {
 #[test]
 fn a_probability_of_failure_knows_what_is_correlated() {
     let scene = scene("post.script = \"energy.rhai\"");
-    let energy = "measure(\"energy\", 0.5 * run.model.impactors[0].mass * run.velocity.at(0) ** 2)";
+    let energy = "measure(\"energy\", 0.5 * run.model.mass * run.velocity.at(0) ** 2)";
     fs::write(scene.path().join("energy.rhai"), energy).expect("a script");
     for (correlation, low, high) in [("0.0", 0.25, 0.6), ("-0.9999", 0.0, 0.1)] {
         let vary = format!(
