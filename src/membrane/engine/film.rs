@@ -217,6 +217,11 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
+    /// Squared angular frequency of its smallest element with the largest slope of its law, rad²/s².
+    pub(super) fn largest_frequency(&self) -> f64 {
+        self.chunks.iter().map(|chunk| chunk.group.largest_frequency(self.density)).fold(0.0, f64::max)
+    }
+
     /// Breaks the fibres that the last pass over the forces found past their break strain, and deletes elements without
     /// fibres; mass stays at the nodes. `position`, to which the nodes moved in `dt` (s), is that of all nodes. Whether it
     /// `looks` at tips of tears where film stores little of the work done on it.

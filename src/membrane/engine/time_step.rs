@@ -29,7 +29,8 @@ const INTERVAL: (u32, f64) = (14, 0.005 / 70.0);
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.02;
 
-/// Largest step over the first one: slack film has no stiffness, but may regain it at any time.
+/// Largest step over the first one, and of that over the step where the law is steepest: film may have no stiffness while it
+/// is slack or at rest, but get it at any time.
 const CEILING: f64 = 4.0;
 
 /// Share of the first step below which a run fails.
@@ -66,7 +67,8 @@ impl TimeStep {
         });
         let on_supports = air + on_springs;
         let mut step = TimeStep { damping, factor, on_supports, safety: SAFETY, ..TimeStep::default() };
-        (step.first, _) = step.stable(films, nodes, pool);
+        let largest = films.iter().map(Film::largest_frequency).fold(0.0, f64::max);
+        step.first = step.stable(films, nodes, pool).0.min(CEILING * step.of_squared(largest));
         // Not by way of `next`: the first step has no last one to grow from.
         (step.now, step.target) = (step.first, step.first);
         step
@@ -147,21 +149,54 @@ impl TimeStep {
             .enumerate()
             // Not `max`, which would drop a NaN.
             .fold((0, 0.0), |most, (face, w)| if w <= most.1 || most.1.is_nan() { most } else { (face, w) });
+        (self.of_squared(squared), face)
+    }
+
+    /// The stable step of film with this squared angular frequency, rad²/s².
+    fn of_squared(&self, squared: f64) -> f64 {
         // Stiffnesses in parallel: the sum bounds the highest frequency of all together.
         let squared = squared + self.on_supports;
         // Slack film without any stiffness; `CEILING` keeps its step finite.
         if squared == 0.0 {
-            return (f64::INFINITY, face);
+            return f64::INFINITY;
         }
         let frequency = squared.sqrt();
         let damping = if self.damping > 0.0 { self.damping / (2.0 * frequency) } else { 0.0 };
-        (self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping), face)
+        self.factor * self.safety * 2.0 / frequency * ((1.0 + damping * damping).sqrt() - damping)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
+
     use super::*;
+    use crate::engine::{Engine, Mesh, Section};
+    use crate::material::{Curve, Fabric, Law};
+
+    /// The first step (s) of an element of fabric whose fibres have no stress below a strain, and that of its tangent alone.
+    fn first_steps(slack: f64) -> [f64; 2] {
+        let fibres = Curve::new(vec![[slack, 0.0], [slack + 0.5, 40e6]]).expect("a curve");
+        let shear = Curve::new(vec![[0.1, 0.0], [0.5, 1e6]]).expect("a curve");
+        let law = Law::Fabric(Fabric::new(fibres.clone(), fibres, shear, 0.0));
+        let corners = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]];
+        let places = corners.into_iter().map(|[x, y]| Point3::new(x, y, 0.0)).collect();
+        let mesh = Mesh { nodes: places, quads: vec![[0, 1, 2, 3]], ..Mesh::default() };
+        let mut nodes = Nodes::default();
+        let film = Film::mount(&mesh, &Section::new(law, 1000.0, 5e-5), 0.0, &mut nodes).expect("a film");
+        let of_tangent = SAFETY * 2.0 / film.frequency_bound(&nodes.position).sqrt();
+        [Engine::new(vec![film], nodes, [], Loads::default()).time_step(), of_tangent]
+    }
+
+    /// That of film without a tangent at rest follows from its steepest slope: c = √(E/ρ) passes an element.
+    #[test]
+    fn the_first_step_is_bounded_by_the_steepest_slope() {
+        let [step, of_tangent] = first_steps(0.05);
+        let expected = CEILING * SAFETY * 0.01 / (80e6_f64 / 1000.0).sqrt();
+        assert!(of_tangent.is_infinite() && (step / expected - 1.0).abs() < 1e-12, "{step} for {expected}");
+        let [step, of_tangent] = first_steps(0.001);
+        assert_eq!(step, of_tangent, "film that is taut within the reach of the bound");
+    }
 
     #[test]
     fn only_steps_that_advance_are_restored() {

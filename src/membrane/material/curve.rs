@@ -160,6 +160,11 @@ impl Curve {
         self.segments[0].slope
     }
 
+    /// Largest slope, Pa.
+    pub fn steepest(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.slope).fold(0.0, f64::max)
+    }
+
     /// Stress at one strain, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
         self.stress_lanes(one(strain))[0]

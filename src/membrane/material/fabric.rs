@@ -192,6 +192,11 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         [self.md.initial_slope(), self.td.initial_slope()]
     }
 
+    fn largest_modulus(&self) -> f64 {
+        let fibres = [Some(&self.md), Some(&self.td), self.biaxial.as_ref()].into_iter().flatten();
+        fibres.map(F::largest_modulus).fold(self.shear.steepest(), f64::max)
+    }
+
     #[inline(always)]
     fn break_strains<const L: usize>(&self, history: &Self::History<L>) -> [Lane<L>; 2] {
         let first = self.layer_breaks.first();

@@ -30,6 +30,9 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     /// Initial slope of the curve at the lowest rate, Pa.
     fn initial_slope(&self) -> f64;
 
+    /// Largest slope of all curves, Pa.
+    fn largest_modulus(&self) -> f64;
+
     /// Break strain at the present rate.
     fn break_strain<const L: usize>(&self, history: &Self::History<L>) -> Lane<L>;
 
@@ -67,6 +70,10 @@ impl FibreLaw for Curve {
 
     fn initial_slope(&self) -> f64 {
         Curve::initial_slope(self)
+    }
+
+    fn largest_modulus(&self) -> f64 {
+        self.steepest()
     }
 
     #[inline(always)]

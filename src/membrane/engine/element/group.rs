@@ -12,7 +12,7 @@ use super::tearing::{self, Tearing};
 use super::viscous::ViscousPoints;
 use crate::engine::failure::Failures;
 use crate::lane::{LANES, Lane, Width, splat};
-use crate::material::{History, MembraneLaw};
+use crate::material::{History, MembraneLaw, Stiffness};
 
 /// Elements of one kind with one law, as many as one thread takes at a time: one virtual call serves hundreds of
 /// elements.
@@ -35,6 +35,10 @@ pub(crate) trait ElementGroup: Send + Sync {
 
     /// Bound on the squared angular frequency of any element of `density` (kg/m³), rad²/s² (theory.md, equation 17).
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64;
+
+    /// Squared angular frequency (rad²/s²) of the smallest element of `density` (kg/m³) with the largest slope of its law in
+    /// any direction.
+    fn largest_frequency(&self, density: f64) -> f64;
 
     /// Adds mass to the elements of `density` (kg/m³) whose squared angular frequency is above `most` (rad²/s²), so that
     /// it is `most`; `add` is called with the nodes of each and the mass of each of them, kg (theory.md, equation 17d).
@@ -160,6 +164,20 @@ where
             largest = settled.select(largest, squared);
         }
         largest.iter().fold(0.0, |most, &squared| if squared <= most || most.is_nan() { most } else { squared })
+    }
+
+    #[cfg_attr(not(test), inline)]
+    fn largest_frequency(&self, density: f64) -> f64 {
+        let stiffness = Stiffness::in_any_direction(splat(self.law.largest_modulus()));
+        let of_block = |(b, block): (usize, &B)| {
+            let gradients = block.gradients();
+            let entry = |i: usize, j: usize| gradients.iter().fold(splat(0.0), |sum, of| sum + of[i] * of[j]);
+            let factor = self.common.mass_factors.get(b).copied().unwrap_or(splat(1.0));
+            let squared = stiffness.eigenvalue_bound(&[0, 1].map(|i| [0, 1].map(|j| entry(i, j)))) * NODES as f64
+                / (density * factor);
+            squared.into_iter().fold(0.0, f64::max)
+        };
+        self.blocks.iter().enumerate().map(of_block).fold(0.0, f64::max)
     }
 
     #[cfg_attr(not(test), inline)]

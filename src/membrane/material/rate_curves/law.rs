@@ -144,6 +144,11 @@ impl FibreLaw for RateCurves {
         self.slowest.initial_slope()
     }
 
+    fn largest_modulus(&self) -> f64 {
+        let intervals = self.intervals.iter().map(|interval| &interval.curve);
+        intervals.map(Curve::steepest).fold(self.slowest.steepest(), f64::max)
+    }
+
     #[inline(always)]
     fn break_strain<const L: usize>(&self, history: &RateHistory<L>) -> Lane<L> {
         mix!(self, self.log_rate(history.slowness), curve => splat(curve.end()))
