@@ -226,7 +226,7 @@ fn store(place: &mut Option<io::Error>, error: io::Error) -> io::Error {
 /// [`CheckpointHeader`], `simulate::Checkpoint` or anything in them (the model, the engine's `State`, the probe's
 /// `Record`) gains, loses or moves a field or gives it another type or meaning: the file holds bare numbers, which
 /// another layout would misread, and builds of one version may differ.
-const MAGIC: &[u8; 24] = b"droptower checkpoint 08\n";
+const MAGIC: &[u8; 24] = b"droptower checkpoint 09\n";
 
 /// The message for a checkpoint of another layout.
 const OTHER_LAYOUT: &str = "not a checkpoint of this build of droptower";

@@ -227,10 +227,14 @@ impl Engine {
         engine
     }
 
-    /// The time step of the film at rest where it is, on its springs.
+    /// The time step of the film at rest where it is, on its springs; reduced where elements failed as it was mounted.
     fn first_time_step(&self) -> TimeStep {
         let on_springs = self.springs.as_ref().map_or(0.0, |springs| springs.squared_frequency(&self.nodes));
-        TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, on_springs)
+        let mut step = TimeStep::new(&self.films, &self.nodes, &self.pool, &self.loads, on_springs);
+        if self.progress.time_step.is_torn() {
+            step.tear();
+        }
+        step
     }
 
     /// The time step that the film would have without the springs on which it hangs, s; none where it hangs on none.

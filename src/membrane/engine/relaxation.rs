@@ -271,7 +271,6 @@ impl Engine {
         self.nodes.clear_forces();
         let Progress { ledger, inflated, cushion, .. } = &mut self.progress;
         (*ledger, *inflated, *cushion) = (EnergyLedger::default(), None, None);
-        self.failed = 0;
         self.forces(0.0);
         self.nodes.clear_forces();
         self.impacts.iter_mut().for_each(|impact| impact.contact.invalidate_neighbours());

@@ -141,6 +141,11 @@ impl TimeStep {
         self.until_update = 0;
     }
 
+    /// Whether elements have failed.
+    pub(super) fn is_torn(&self) -> bool {
+        self.safety == TORN_SAFETY
+    }
+
     /// The stable step and the face that limits it.
     fn stable(&self, films: &[Film], nodes: &Nodes, pool: &ThreadPool) -> (f64, usize) {
         let bounds = film::frequency_bounds(films, pool, nodes.position.axes());
