@@ -54,13 +54,13 @@ impl Clamp {
         Clamp { gone: vec![false; clamped.len()], nodes: clamped, start, width, multiplicity, next: vec![] }
     }
 
-    /// Finds how its nodes move in a step: they get the forces of the film and `gravity` (m/s², downward) over `over`
-    /// (s), stay on their plane, or on `bars`, and slip by what friction does not stop, over `dt` (s).
+    /// Finds how its nodes move in a step: they get the forces of the film and their `gravity` (m/s², downward) over
+    /// `over` (s), stay on their plane, or on `bars`, and slip by what friction does not stop, over `dt` (s).
     pub(super) fn predict(
         &mut self,
         nodes: &Nodes,
         bars: Option<&Impact>,
-        gravity: f64,
+        gravity: &dyn Fn(usize) -> f64,
         [over, dt]: [f64; 2],
     ) -> Clamping {
         let mut sums = Clamping::default();
@@ -69,7 +69,7 @@ impl Clamp {
             let (n, at, before) = (clamped.node, nodes.position_of(clamped.node), nodes.velocity_of(clamped.node));
             let (mut position, mut velocity) = (at.coords, Vector3::zeros());
             if !gone {
-                let force = Vector3::from(nodes.force.value_at(n)) - Vector3::z() * (nodes.mass[n] * gravity);
+                let force = Vector3::from(nodes.force.value_at(n)) - Vector3::z() * (nodes.mass[n] * gravity(n));
                 // As a free node would move: a mirror plane through the node takes its part before friction is asked
                 // for any.
                 let pulled = clamped.free_part(&(before + force * (over / nodes.mass[n])));

@@ -75,7 +75,7 @@ impl View<'_> {
         let is_start = self.steps == 0;
         let until_now = |energy: &StepEnergy| energy.until_full_step(is_start);
         let multiplicity = loads.multiplicity;
-        let (g, of_film) = (loads.gravity, loads.film_gravity());
+        let g = loads.gravity;
         let mut out = Energies {
             rupture: ledger.rupture,
             absorbed: ledger.absorbed,
@@ -92,13 +92,16 @@ impl View<'_> {
             out.absorbed += multiplicity * energy.absorbed;
             out.hourglass += multiplicity * energy.hourglass;
         }
-        for (n, mass) in self.nodes.mass.iter().enumerate() {
-            let u = previous.velocity.value_at(n);
-            let v = if is_start { u } else { self.nodes.velocity.value_at(n) };
-            // Product of both half steps, not the square of their mean: this is what central differences conserve
-            // (theory.md, equation 23).
-            out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
-            out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
+        for film in self.films {
+            let of_film = loads.film_gravity(film);
+            for (n, mass) in film.nodes.clone().zip(&self.nodes.mass[film.nodes.clone()]) {
+                let u = previous.velocity.value_at(n);
+                let v = if is_start { u } else { self.nodes.velocity.value_at(n) };
+                // Product of both half steps, not the square of their mean: this is what central differences conserve
+                // (theory.md, equation 23).
+                out.kinetic_film += multiplicity * 0.5 * mass * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
+                out.potential += multiplicity * mass * of_film * self.nodes.position.value_at(n)[2];
+            }
         }
         for (Impact { body, contact, .. }, before) in impacts.iter().zip(&previous.bodies) {
             out.kinetic_impactor += if is_start { before } else { body }.kinetic_energy(before);

@@ -27,6 +27,8 @@ pub struct Film {
     law: LawProperties,
     /// kg/m³, with mass scaling.
     density: f64,
+    /// Share of its mass that has weight: the rest is air that moves with it.
+    pub(super) weight_share: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Which of all nodes are this face's.
@@ -99,7 +101,7 @@ impl Film {
             chunk
         };
         let chunks = groups.into_iter().zip(first_fit(&of_group)).map(chunk).collect();
-        Film { chunks, law, density, thickness, nodes, mirrors, tips: None }
+        Film { chunks, law, density, weight_share: 1.0, thickness, nodes, mirrors, tips: None }
     }
 
     /// Density with mass scaling, kg/m³.

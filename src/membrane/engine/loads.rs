@@ -1,6 +1,7 @@
 //! Loads and prescribed motion.
 
 use super::cushion::Cushion;
+use super::film::Film;
 use super::pressure::{Filling, Inflation};
 
 /// Loads and prescribed motion besides contact.
@@ -18,8 +19,6 @@ pub struct Loads {
     pub filling: Option<Filling>,
     /// Air between the first two faces, whose edges are held.
     pub cushion: Option<Cushion>,
-    /// Share of the mass of film that has weight: the rest is air that moves with it.
-    pub weight_share: f64,
     /// Parts of film of which one is computed; the others are its mirror images.
     pub multiplicity: f64,
     /// Factor on the stable time step, 0 < factor ≤ 1.
@@ -36,7 +35,6 @@ impl Default for Loads {
             inflation: None,
             filling: None,
             cushion: None,
-            weight_share: 1.0,
             multiplicity: 1.0,
             step_factor: 1.0,
         }
@@ -44,9 +42,9 @@ impl Default for Loads {
 }
 
 impl Loads {
-    /// Acceleration of free film, m/s², downward.
-    pub(super) fn film_gravity(&self) -> f64 {
-        self.gravity * self.weight_share
+    /// Acceleration of `film` that is free, m/s², downward.
+    pub(super) fn film_gravity(&self, film: &Film) -> f64 {
+        self.gravity * film.weight_share
     }
 }
 

@@ -101,8 +101,8 @@ pub struct Engine {
     chunks: Vec<(usize, usize)>,
     /// Of `chunks`, which are added to their nodes colour by colour.
     colouring: Colouring,
-    /// Ranges of nodes, each a task of one thread, none of them on two faces.
-    node_ranges: Vec<Range<usize>>,
+    /// Ranges of nodes, each a task of one thread, with the film that they are of.
+    node_ranges: Vec<(usize, Range<usize>)>,
     /// Elements that failed since [`Engine::step`] last returned.
     failed: usize,
 }
@@ -152,10 +152,11 @@ impl Engine {
             }
         }
         let colouring = Colouring::new(&colours, &chunk_nodes).expect("films colour their chunks");
-        let cut = |Range { start, end }: Range<usize>| {
-            (start..end).step_by(NODES_PER_RANGE).map(move |from| from..end.min(from + NODES_PER_RANGE))
+        let cut = |(f, film): (usize, &Film)| {
+            let Range { start, end } = film.nodes;
+            (start..end).step_by(NODES_PER_RANGE).map(move |from| (f, from..end.min(from + NODES_PER_RANGE)))
         };
-        let node_ranges = films.iter().flat_map(|film| cut(film.nodes.clone())).collect();
+        let node_ranges = films.iter().enumerate().flat_map(cut).collect();
         let mounted_volume = loads.cushion.map_or(0.0, |_| Enclosed::between(&films, &nodes).volume);
         let is_inflated = loads.inflation.is_some() || loads.filling.is_some();
         let flat_volume = if is_inflated { pressure::volume(&films, &nodes) } else { 0.0 };
@@ -383,13 +384,15 @@ impl Engine {
         let records = released.map(|Impact { body, contact, .. }| contact.prepare(films, nodes, body)).collect();
         let earlier = (self.loads.damping > 0.0).then(|| nodes.velocity.clone());
         let kick = Kick::new(over, self.loads.damping);
-        let integration = nodes.integration(kick, dt, self.loads.film_gravity(), records);
+        let integration = nodes.integration(kick, dt, records);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
+        let gravity: Vec<f64> = films.iter().map(|film| self.loads.film_gravity(film)).collect();
         let mut parts = vec![StepSums::default(); ranges.len()];
         let sums_of = Disjoint::new(&mut parts);
         self.pool.each(ranges.len(), |part| {
+            let (film, range) = &ranges[part];
             // SAFETY: every range comes up once.
-            unsafe { *sums_of.entry(part) = integration.advance(width, ranges[part].clone()) };
+            unsafe { *sums_of.entry(part) = integration.advance(width, range.clone(), gravity[*film]) };
         });
         // A slot a range, added in order: sums over threads as they finish would differ from run to run.
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));
@@ -409,10 +412,16 @@ impl Engine {
     /// Finds how film moves in the clamp, and adds what is dissipated there to the ledger.
     fn predict_clamp(&mut self, over: f64, dt: f64) -> Clamping {
         let Some(mut clamp) = self.clamp.take() else { return Clamping::default() };
-        let clamping = clamp.predict(&self.nodes, self.bars(), self.loads.film_gravity(), [over, dt]);
+        let clamping = clamp.predict(&self.nodes, self.bars(), &|node| self.gravity_at(node), [over, dt]);
         self.clamp = Some(clamp);
         self.progress.ledger.clamp.add(clamping.loss);
         clamping
+    }
+
+    /// Acceleration of a node that is free, m/s², downward.
+    fn gravity_at(&self, node: usize) -> f64 {
+        let film = self.films.iter().find(|film| film.nodes.contains(&node));
+        film.map_or(0.0, |film| self.loads.film_gravity(film))
     }
 
     /// Shows the stored full step, with the velocities that follow it.

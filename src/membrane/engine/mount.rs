@@ -46,8 +46,11 @@ impl Film {
             MirrorPlane { nodes: mesh.mirrors[axis].iter().map(|node| first + node).collect(), normal }
         };
         let mirrors = [plane(0, [cos, -sin]), plane(1, [sin, cos])];
-        let law = section.law.properties();
-        Ok(Film::new(groups, law, [section.density, section.thickness], first as usize..nodes.position.len(), mirrors))
+        let (law, density) = (section.law.properties(), section.density_with_air());
+        let mut film =
+            Film::new(groups, law, [density, section.thickness], first as usize..nodes.position.len(), mirrors);
+        film.weight_share = section.density / density;
+        Ok(film)
     }
 }
 
@@ -91,8 +94,8 @@ impl Mount<'_> {
         B: Block<M, NODES, LANES>,
         B::Element: Shaped<NODES>,
     {
-        let Section { density, thickness, viscosity, rupture, thermal, .. } = self.section;
-        let (density, thickness) = (*density, *thickness);
+        let Section { thickness, viscosity, rupture, thermal, .. } = self.section;
+        let (density, thickness) = (self.section.density_with_air(), *thickness);
         let viscous = viscosity.as_ref().map(|viscosity| {
             let base = law.viscous().expect("laws of viscous film are checked");
             ViscousLaw::new(viscosity.clone(), base)
@@ -138,6 +141,8 @@ pub struct Section {
     pub thermal: Option<Thermal>,
     /// kg/m³, with mass scaling.
     pub density: f64,
+    /// Mass of air per area of stress-free film that moves with it and has no weight, kg/m².
+    pub air: f64,
     /// Thickness of all layers, m.
     pub thickness: f64,
     /// Angle from the x axis to MD, rad.
@@ -157,11 +162,17 @@ impl Section {
             rupture: None,
             thermal: None,
             density,
+            air: 0.0,
             thickness,
             md_angle: 0.0,
             prestrain: [0.0; 2],
             full_integration: false,
         }
+    }
+
+    /// Density with the air, kg/m³: spread over the thickness its inertia needs no term of its own.
+    fn density_with_air(&self) -> f64 {
+        self.density + self.air / self.thickness
     }
 }
 

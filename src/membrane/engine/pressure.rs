@@ -204,7 +204,7 @@ impl Engine {
             let (inverse_mass, velocity, force) =
                 (nodes.effective_inverse_mass().value_at(n), nodes.velocity.value_at(n), nodes.force.value_at(n));
             for axis in 0..3 {
-                let field = if axis == 2 { -self.loads.film_gravity() } else { 0.0 };
+                let field = if axis == 2 { -self.loads.film_gravity(film) } else { 0.0 };
                 // Held nodes with a velocity, as at jaws, change the volume too.
                 let is_free = inverse_mass[axis] > 0.0;
                 let after = kick.after(velocity[axis], force[axis] * inverse_mass[axis] + field);

@@ -123,6 +123,7 @@ impl Engine {
         let (position, velocity) = (self.nodes.position.clone(), self.nodes.velocity.clone());
         self.nodes.stop();
         let ranges: Vec<Range<usize>> = chosen(&self.films, wanted).map(|film| film.nodes.clone()).collect();
+        let gravity: Vec<f64> = chosen(&self.films, wanted).map(|film| self.loads.film_gravity(film)).collect();
         let (mut steps, mut kinetic, mut at_rest, mut lightness) = (0, 0.0, true, 1.0);
         while steps < MOST_STEPS && proceed(Settling { residual, tolerance: TOLERANCE, steps }) {
             let (last, dt) = self.progress.time_step.next(&self.films, &self.nodes, &self.pool, self.progress.time)?;
@@ -144,17 +145,18 @@ impl Engine {
             }
             // After each stop it starts anew, with the half kick of a first step.
             let over = if at_rest { 0.5 * dt } else { 0.5 * (last + dt) };
-            let step = RelaxationStep { last, dt, kick: over, gravity: self.loads.film_gravity(), lightness };
+            let step = |gravity: &f64| RelaxationStep { last, dt, kick: over, gravity: *gravity, lightness };
             // Kinetic damping: film swings freely and is stopped where its kinetic energy peaks, near the least
             // potential energy. No damping constant has to fit an unknown frequency.
-            let now: f64 = ranges.iter().map(|range| self.nodes.relax(range.clone(), &step)).sum();
+            let parts = || ranges.iter().zip(&gravity);
+            let now: f64 = parts().map(|(range, gravity)| self.nodes.relax(range.clone(), &step(gravity))).sum();
             self.settle_on_bars(&ranges);
             steps += 1;
             // Seen one step late, hence the way back to the peak below.
             at_rest = now < kinetic;
             kinetic = if at_rest { 0.0 } else { now };
             if at_rest {
-                ranges.iter().for_each(|range| self.nodes.return_to_peak(range.clone(), &step));
+                parts().for_each(|(range, gravity)| self.nodes.return_to_peak(range.clone(), &step(gravity)));
                 self.settle_on_bars(&ranges);
                 self.nodes.stop();
             }
@@ -197,7 +199,7 @@ impl Engine {
         let touching = TOUCHING * contact.surface().size();
         let of_node = |n: usize| {
             let (gap, normal) = contact.gap(&self.nodes, &body.pose, n);
-            let weight = Vector3::z() * (self.nodes.mass[n] * self.loads.film_gravity());
+            let weight = Vector3::z() * (self.nodes.mass[n] * self.loads.film_gravity(film));
             let pressed = (Vector3::from(self.nodes.force.value_at(n)) - weight).dot(&normal);
             if gap < touching { pressed.min(0.0).powi(2) } else { 0.0 }
         };
@@ -237,7 +239,7 @@ impl Engine {
     /// Largest residual of any `wanted` film with the forces at the nodes (theory.md, equation 172).
     fn residual(&self, wanted: &[bool]) -> f64 {
         let of_film = |film: &Film| {
-            let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.film_gravity());
+            let [free, held] = self.nodes.squared_forces(film.nodes.clone(), self.loads.film_gravity(film));
             // A force that bars take is a reaction, like that of a held node: it moves from the one sum to the other.
             let on_bars = self.squared_force_on_bars(film).min(free);
             let (free, held) = (free - on_bars, held + on_bars);

@@ -54,8 +54,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         let mesh = mesh::build(&model.specimen.shape, model.specimen.symmetry.mirrors(), &face.meshing)?;
         let first = nodes.position.len();
         let mut section = mount::section(face, mass_scaling);
-        // Air that moves with the film is inertia of the film: spread over its thickness it needs no term of its own.
-        section.density += model.air.map_or(0.0, |air| air.added_mass.0) / section.thickness;
+        section.air = model.air.map_or(0.0, |air| air.added_mass.0);
         let mut film = Film::mount(&mesh, &section, face.height, &mut nodes)?;
         for (cut, points) in model.specimen.cuts.iter().enumerate() {
             if film.cut(&nodes, points) == 0 {
@@ -102,7 +101,7 @@ fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<S
         }
         topologies.push(topology);
     }
-    mount::add_air(model, &films, &nodes, &mut loads);
+    mount::add_cushion(model, &films, &nodes, &mut loads);
     let impacts = loading.apply(&films, &nodes, &mut loads)?;
     let body = |impact: &Impact| BodyMounting {
         start: impact.body.centre().z,

@@ -58,6 +58,7 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
         rupture: face.material.rupture,
         thermal: face.material.thermal,
         density: face.material.density * mass_scaling,
+        air: 0.0,
         thickness: face.thickness(),
         md_angle: face.md_angle,
         prestrain: face.prestrain,
@@ -65,16 +66,9 @@ pub fn section(face: &Face, mass_scaling: f64) -> Section {
     }
 }
 
-/// Adds the air around `films` to `loads`; its mass that moves with them is in their sections.
-pub(super) fn add_air(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
+/// Adds the air between `films` to `loads`; that which moves with them is in their sections.
+pub(super) fn add_cushion(model: &Model, films: &[Film], nodes: &Nodes, loads: &mut Loads) {
     let Some(air) = &model.air else { return };
-    let mass: f64 = nodes.mass.iter().sum();
-    let own = |(face, film): (&Face, &Film)| {
-        let mass: f64 = nodes.mass[film.nodes.clone()].iter().sum();
-        let per_area = face.material.density * film.thickness;
-        mass * per_area / (per_area + air.added_mass.0)
-    };
-    loads.weight_share = model.faces.iter().zip(films).map(own).sum::<f64>() / mass;
     loads.cushion = air.cushion.map(|compression| {
         let copies = model.specimen.symmetry.copies();
         let between = model.faces[0].height - model.faces[1].height - 0.5 * (films[0].thickness + films[1].thickness);

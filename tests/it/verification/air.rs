@@ -1,7 +1,7 @@
 //! Air between the faces of a drop test and with the film, and friction between faces.
 
 use super::claims::Claims;
-use super::tower::{channel, largest, run, shipped};
+use super::tower::{channel, largest, run, shipped, written};
 
 /// A drop test on a coarse mesh, up to its lowest point.
 const COARSE: [&str; 3] = ["specimen.mesh.size=40mm", "output.frames=1", "loading.impact.duration=60ms"];
@@ -50,6 +50,32 @@ fn added_mass_has_inertia_and_no_weight() {
     claims.near("time step over that without air", with.time_step / own.time_step, 2.0, 0.02);
     let sag = |outcome: &droptower::simulate::Outcome| outcome.relaxation.as_ref().expect("held film").displacement;
     claims.near("sag, m", sag(with), sag(own), 1e-3);
+}
+
+/// Free faces fall each with the share of its own mass that is not air.
+#[test]
+fn each_face_falls_by_its_own_share_of_weight() {
+    let mut claims = Claims::of("added mass of unequal faces");
+    let layer = |height: f64, count: u32| format!("[[layer]]\nheight = {height}\ncount = {count}\n");
+    let model = written(&format!(
+        "specimen = {{ shape.rectangle = [0.2, 0.2], mesh.size = 0.1, material = {{ density = 1000, thickness = 10e-6, \
+         elastic = {{ young = 1e8, poisson = 0.3 }} }} }}
+         frame.hold = \"none\"
+         air.added_mass = 0.1
+         impactor = {{ shape.sphere.radius = 0.02, friction = 0.2, guide = \"fixed\", position = [0, 0, 1] }}
+         loading.impact.duration = 0.02
+         output = {{ frames = 2 }}
+         {}{}",
+        layer(0.0, 100),
+        layer(-0.1, 5)
+    ));
+    let outcome = run(&model);
+    let last = outcome.snapshots.last().expect("the end");
+    for (film, (start, share)) in last.films.iter().zip([(0.0, 1.0 / 1.1), (-0.1, 0.05 / 0.15)]) {
+        let fallen = start - f64::from(film.positions[0][2]);
+        claims.near(&format!("face from {start} m: fall, m"), fallen, 0.5 * 9.81 * last.time * last.time * share, 1e-3);
+    }
+    claims.at_most("balance error", outcome.energy_balance_error, 1e-6);
 }
 
 /// Between faces the coefficient of the impactor applies unless another is given.

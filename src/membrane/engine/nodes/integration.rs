@@ -73,7 +73,6 @@ pub(in crate::engine) struct Integration<'a> {
     constrained: &'a [u32],
     kick: Kick,
     dt: f64,
-    gravity: f64,
     records: Vec<VelocityRecord<'a>>,
 }
 
@@ -86,13 +85,11 @@ pub(in crate::engine) struct VelocityRecord<'a> {
 }
 
 impl Nodes {
-    /// Shares the nodes for a step: velocities enter the `records`, then follow the `kick`, with `gravity` (m/s²,
-    /// downward), and a drift over `dt` (s).
+    /// Shares the nodes for a step: velocities enter the `records`, then follow the `kick` and a drift over `dt` (s).
     pub(in crate::engine) fn integration<'a>(
         &'a mut self,
         kick: Kick,
         dt: f64,
-        gravity: f64,
         records: Vec<VelocityRecord<'a>>,
     ) -> Integration<'a> {
         Integration {
@@ -105,18 +102,17 @@ impl Nodes {
             constrained: &self.constrained,
             kick,
             dt,
-            gravity,
             records,
         }
     }
 }
 
 impl Integration<'_> {
-    /// v := decay·v + gain·(F/m + g), x := x + v Δt, F := 0 for a range of nodes.
+    /// v := decay·v + gain·(F/m + g), x := x + v Δt, F := 0 for a range of nodes under `gravity` (m/s², downward).
     ///
     /// # Safety
     /// No other thread may access these nodes.
-    pub(in crate::engine) unsafe fn advance(&self, width: Width, nodes: Range<usize>) -> StepSums {
+    pub(in crate::engine) unsafe fn advance(&self, width: Width, nodes: Range<usize>, gravity: f64) -> StepSums {
         let mut sums = StepSums::default();
         // SAFETY: by the contract no other thread accesses these nodes.
         unsafe { self.record(nodes.clone()) };
@@ -129,7 +125,7 @@ impl Integration<'_> {
                     position: self.position[axis].range(some.clone()),
                     velocity: self.velocity[axis].range(some.clone()),
                     force: self.force[axis].range(some.clone()),
-                    field: if axis == 2 { -self.gravity } else { 0.0 },
+                    field: if axis == 2 { -gravity } else { 0.0 },
                 }
             });
             let mut axes = [x, y, z];
