@@ -71,7 +71,7 @@ impl Crest {
 
     /// Vertical force of the whole film on it, N, positive downwards; none without bars.
     pub(super) fn force(&self, nodes: &Nodes) -> Option<f64> {
-        (!self.nodes.is_empty()).then(|| -self.copies * nodes.total_force(&self.nodes, 2))
+        (!self.nodes.is_empty()).then(|| -self.copies * nodes.held_force(&self.nodes, 2))
     }
 }
 
@@ -237,7 +237,7 @@ impl HeldSides {
         let copies = if self.mirrored[1 - axis] { 2.0 } else { 1.0 };
         let force = |held: &HeldSide| {
             let of_springs = view.springs().map(|springs| springs.frame_force(held.springs.iter().copied(), axis));
-            of_springs.unwrap_or_else(|| view.nodes.total_force(&held.nodes, axis))
+            of_springs.unwrap_or_else(|| view.nodes.held_force(&held.nodes, axis))
         };
         let inward = |held: &HeldSide| -sign_outward(held.side) * force(held);
         Some(copies * sides().map(inward).sum::<f64>() / sides().count() as f64)

@@ -297,6 +297,17 @@ mod tests {
     use crate::engine::nodes::Nodes;
 
     #[test]
+    fn nodes_that_are_let_go_hold_nothing() {
+        let mut nodes = Nodes::default();
+        nodes.extend([[0.0; 3]; 3], &[1.0; 3]);
+        nodes.hold(0..3, [true; 3]);
+        (0..3).for_each(|n| nodes.force.set(n, [10.0_f64.powi(n as i32), 0.0, 0.0]));
+        // One on a mirror plane stays held across it.
+        nodes.release(1, [true, false, true]);
+        assert_eq!((nodes.held_force(&[0, 1, 2], 0), nodes.total_force(&[0, 1, 2], 0)), (101.0, 111.0));
+    }
+
+    #[test]
     fn only_nodes_with_an_impulse_move() {
         for group in [[8, 9, 10, 11, 12, 13, 14, 15], [36, 42, 43, 43, 43, 43, 43, 43]] {
             let mut nodes = Nodes::default();

@@ -129,6 +129,12 @@ impl Nodes {
         nodes.iter().map(|n| self.force.value_at(*n as usize)[axis]).sum()
     }
 
+    /// The same of those that are held in every direction: what has left a clamp is not.
+    pub fn held_force(&self, nodes: &[u32], axis: usize) -> f64 {
+        let held = nodes.iter().map(|n| *n as usize).filter(|n| self.is_held(*n));
+        held.map(|n| self.force.value_at(n)[axis]).sum()
+    }
+
     /// Along which axes a node is neither held nor prescribed.
     pub fn free_axes(&self, node: usize) -> [bool; 3] {
         self.effective_inverse_mass.value_at(node).map(|inverse_mass| inverse_mass > 0.0)
