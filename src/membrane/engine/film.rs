@@ -276,9 +276,21 @@ impl Film {
         let at = |node: &u32| nodes.position_of(*node as usize).xy();
         let crossed = |element: &[u32]| {
             let of_element: Vec<Point2<f64>> = element.iter().map(at).collect();
-            let is_bend = |corner: &[f64; 2]| contains(&of_element, (*corner).into());
-            corners.windows(2).any(|ends| crosses([ends[0].into(), ends[1].into()], &of_element))
-                || corners[1..corners.len() - 1].iter().any(is_bend)
+            let (least, most) = bounds(&of_element);
+            // A cut may have as many points as a drawing: nearly all are far from an element. Its middle is beside a line
+            // that crosses it, so that the line comes as near as the element is large.
+            let reach = 2.0 * (most - least).norm();
+            let is_near = |line: &[[f64; 2]]| {
+                (0..2).all(|axis| {
+                    line.iter().any(|end| end[axis] >= least[axis] - reach)
+                        && line.iter().any(|end| end[axis] <= most[axis] + reach)
+                })
+            };
+            let mut lines = corners.windows(2).enumerate().filter(|(_, ends)| is_near(ends));
+            lines.any(|(place, ends)| {
+                let [from, to] = [ends[0].into(), ends[1].into()];
+                crosses([from, to], &of_element) || (place > 0 && contains(&of_element, from))
+            })
         };
         let mut deleted = 0;
         for group in self.chunks.iter_mut().map(|chunk| &mut chunk.group) {
@@ -359,6 +371,12 @@ fn crosses([from, to]: [Point2<f64>; 2], corners: &[Point2<f64>]) -> bool {
     // Round-off beside an edge counts as on it: a line along edges takes the elements on one side of them, not on both.
     let on_edge = 1e-6 * (most - least);
     (0.0..length).contains(&along) && least < -on_edge && most > -on_edge
+}
+
+/// The least and the largest coordinates of an element with these corners.
+fn bounds(corners: &[Point2<f64>]) -> (Point2<f64>, Point2<f64>) {
+    let all = corners.iter().copied();
+    all.fold((corners[0], corners[0]), |(least, most), corner| (least.inf(&corner), most.sup(&corner)))
 }
 
 /// Whether an element with these corners, counter-clockwise, contains a point.
