@@ -51,6 +51,8 @@ pub(super) struct Scene<'a> {
     pub scenario: &'a Scenario,
     pub loading: &'a Loading,
     pub hold: &'a Hold,
+    /// Whether its outline has holes.
+    pub has_holes: bool,
 }
 
 impl Scene<'_> {
@@ -68,6 +70,11 @@ impl Scene<'_> {
 
     fn has_cushion(&self) -> bool {
         self.scenario.air.as_ref().is_some_and(|air| air.cushion.is_some())
+    }
+
+    /// Whether there is gas under the film or between its faces.
+    fn encloses_gas(&self) -> bool {
+        self.is_by_gas() || (self.is_impact() && self.has_cushion())
     }
 
     /// Whether gas presses faces on each other.
@@ -204,11 +211,18 @@ exclusions! {
         "specimen.damping" beside "`loading.indent`, gas" when |s| s.loading.inertia() == Inertia::Negligible
             => hint "the damping of a quasi-static test follows from its duration".
         "specimen.cuts" beside "gas, `air.cushion`"
-            when |s| !s.scenario.specimen.cuts.is_empty() && (s.is_by_gas() || (s.is_impact() && s.has_cushion()))
+            when |s| !s.scenario.specimen.cuts.is_empty() && s.encloses_gas()
             => "film with cuts does not hold gas"; hint "leave `cuts` out, or the gas".
+        "specimen.shape.polygon.holes" beside "gas, `air.cushion`"
+            when |s| s.has_holes && s.encloses_gas()
+            => "film with holes does not hold gas"; hint "leave `holes` out, or the gas".
+        "specimen.shape.polygon.file" beside "gas, `air.cushion`, if it has holes"
+            when |s| s.has_holes && s.encloses_gas()
+            => "film with holes does not hold gas"; hint "draw the outline alone, or leave the gas out".
         "air" beside "all loadings but `loading.impact`" when |s| !s.is_impact()
             => hint "air matters to fast tests, under `loading.impact`".
-        "air.vent", "air.discharge" beside "no `air.cushion`" when |s| s.is_impact() && !s.has_cushion()
+        "air.vent", "air.discharge", "air.density", "air.pressure" beside "no `air.cushion`"
+            when |s| s.is_impact() && !s.has_cushion()
             => hint "no air is enclosed without `cushion`".
         "air.cushion" beside "`frame.hold`, unless \"all\"" when |s| s.is_impact() && *s.hold != Hold::All
             => "air escapes past an edge that is not held"; hint "hold \"all\"".
@@ -251,7 +265,7 @@ exclusions! {
             at "specimen.symmetry" "the mirror planes".
         "guide" beside "`loading.indent`, unless \"z\"" when |b| b.is_pressed() && b.body.guide != Guide::Z
             => "an indentation prescribes the motion of the impactor along z"; hint "leave the key out".
-        "velocity", "spin", "inertia", "at" beside "`loading.indent`" when Body::is_pressed
+        "mass", "velocity", "spin", "inertia", "at", "restitution" beside "`loading.indent`" when Body::is_pressed
             => hint "an indentation prescribes the motion of the impactor".
         "position" beside "`loading.indent`, with a height" when |b| b.is_pressed() && b.body.position.len() > 2
             => "an indentation begins in contact with the film"; hint "give x and y".

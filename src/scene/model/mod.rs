@@ -71,14 +71,15 @@ fn model(scenario: &Scenario, checker: &mut Checker<'_>) -> Option<Model> {
     // Ahead of the parts below, which may be refused or required by its kind.
     let loading = loading::check(scenario, checker);
     let hold = frame::check_hold(scenario, &loading, checker);
-    let scene = Scene { scenario, loading: &loading, hold: &hold };
+    let shape = specimen.as_ref().map(|specimen| &specimen.shape);
+    let has_holes = matches!(shape, Some(Outline::Polygon(polygon)) if !polygon.holes.is_empty());
+    let scene = Scene { scenario, loading: &loading, hold: &hold, has_holes };
     let refused = checker.exclude("", &exclusions::scene(), &scene);
     let mut faces = specimen::check_faces(&scene, checker);
     let frame = frame::check(&scene, specimen.as_ref(), faces.as_deref(), &refused, checker);
     let air = frame::check_air(&scene, faces.as_deref(), checker);
     let impactors = impactor::check(scenario, &loading, checker);
     let first = impactors.as_deref().unwrap_or_default().first();
-    let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let (all, graded) = (impactors.as_deref().unwrap_or_default(), faces.as_deref_mut().unwrap_or_default());
     meshing::check_grading(&scene, graded, all, shape, checker);
     // Here, as the guide that decides the speed is checked with the impactors, and these need the loading.
