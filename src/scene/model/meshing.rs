@@ -94,18 +94,23 @@ fn zones(
 }
 
 impl Impactor {
-    /// Where its centre is over the plane at `height` (m) when it is `radius` (m) above it, in free flight; x and y in
-    /// m.
+    /// Where its centre is over the plane at `height` (m) when it is `radius` (m) above it, in free flight or on its line; x
+    /// and y in m.
     fn meeting_point(&self, loading: &Loading, height: f64, radius: f64) -> [f64; 2] {
         let Some(Impact { gravity, .. }) = loading.impact() else { return self.position };
         let Some(fall) = self.height.map(|start| start - height - radius).filter(|fall| *fall > 0.0) else {
             return self.position;
         };
-        let [x, y, z] = self.velocity;
-        let speed = (z * z + 2.0 * gravity * fall).sqrt();
-        // Time of the fall, from 2 fall = (initial + final speed) time.
-        let time = 2.0 * fall / (speed - z);
-        let drift = if time.is_finite() { [x * time, y * time] } else { [0.0; 2] };
+        let (along, times) = match self.guide {
+            Guide::Line(line) => (line, -fall / line[2]),
+            _ => {
+                let [.., z] = self.velocity;
+                let speed = (z * z + 2.0 * gravity * fall).sqrt();
+                // Time of the fall, from 2 fall = (initial + final speed) time.
+                (self.velocity, 2.0 * fall / (speed - z))
+            }
+        };
+        let drift = if times.is_finite() { [along[0] * times, along[1] * times] } else { [0.0; 2] };
         [self.position[0] + drift[0], self.position[1] + drift[1]]
     }
 }

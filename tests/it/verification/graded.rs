@@ -90,6 +90,16 @@ filter = \"none\"
 
 const FALLING: &str = "[loading.impact]\nvelocity = \"2 m/s\"\nduration = \"20 ms\"";
 
+/// Along a line of 45 degrees, whatever its speed and gravity, the ball goes as far across as it comes down.
+#[test]
+fn elements_are_fine_where_a_line_meets_the_film() {
+    let line = "guide = { line = [1, 0, -1] }\nposition = [\"-100 mm\", \"30 mm\", \"140 mm\"]";
+    let model = sheet("{ size = \"20 mm\", fine = \"5 mm\" }", line, FALLING);
+    let zones = &model.faces[0].meshing.grading.as_ref().expect("fine elements").zones;
+    let [x, y] = zones[0].at;
+    assert!((x - 0.02).abs() < 1e-12 && (y - 0.03).abs() < 1e-12, "{x} {y}");
+}
+
 /// Theory, equation (17d): twice the step takes four times the mass where all elements are alike, and where they are
 /// not just the small ones get mass.
 #[test]
