@@ -155,6 +155,27 @@ fn set_replaces_a_key_that_excludes_it() {
     assert!(set("specimen.shape.circle.radius=20cm").is_ok());
 }
 
+/// What goes with inherited keys is left alone, and what is set with them is not.
+#[test]
+fn what_is_set_is_not_inherited() {
+    let arguments = ["specimen.shape.polygon.points=[[0, 0], [0.2, 0], [0.1, 0.15]]", "specimen.shape.polygon.unit=mm"];
+    let assignments = arguments.map(|argument| Assignment::from_argument(argument).expect("a value"));
+    let bulge = Document::read(Path::new("tests/it/broken/parts/bulge.toml")).expect("it reads");
+    let mistakes = model::check(&bulge.with(&assignments)).expect_err("corners have their own units");
+    assert_eq!(mistakes[0].message, "`specimen.shape.polygon.unit` is not allowed here");
+}
+
+/// Springs and a clamp give way before film breaks, and springs stop no impactor.
+#[test]
+fn film_that_gives_way_is_indented_deeper() {
+    let springs = "frame.springs={ stiffness = 1e3, count = 40, length = 0.1 }";
+    let clamp = "frame.clamp={ force = \"9 N\", friction = 0.3 }";
+    for (file, frame) in [("indent-deep", springs), ("indent-deep", clamp), ("indent-frame", springs)] {
+        let document = Document::read(Path::new(&format!("tests/it/broken/{file}.toml"))).expect("it reads");
+        checked(model::check(&document.with(&[Assignment::from_argument(frame).expect("a value")])));
+    }
+}
+
 #[test]
 fn a_child_leaves_out_what_it_inherits() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -71,9 +71,11 @@ impl<'d> Checker<'d> {
         self.document.find(path).is_some()
     }
 
-    /// Whether the value at the key path is written in another text than the file that is checked.
+    /// Whether the value at the key path is written in another file than the one that is checked.
     pub fn is_inherited(&self, path: &str) -> bool {
-        self.document.span(path).source.name != shown_path(self.document.path())
+        let source = &self.document.span(path).source.name;
+        let mut others = self.document.files().iter().filter(|file| *file != self.document.path());
+        others.any(|file| shown_path(file) == *source)
     }
 
     /// The existing file named at the key path.

@@ -12,7 +12,7 @@ const DEPTH: &str = "loading.indent.depth";
 const SPANS: f64 = 3.0;
 
 /// Refuses a depth at which the film would break even if it were strained uniformly, and one at which the impactor
-/// would reach the frame.
+/// would reach the frame; neither on springs, which give way, and the first not of film that may slip in its clamp.
 pub(super) fn check(model: &Model, checker: &mut Checker<'_>) {
     let (Loading::Indent(Indent { depth, .. }), Some(impactor)) = (&model.loading, model.impactor()) else { return };
     // What follows is of an upright impactor.
@@ -30,11 +30,12 @@ pub(super) fn check(model: &Model, checker: &mut Checker<'_>) {
         checker.report_with("impactor.position", "the impactor passes beside the film", hint);
         return;
     }
-    if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit) {
+    let (is_on_springs, is_clamped) = (model.frame.springs.is_some(), model.frame.clamp.is_some());
+    if let Some(limit) = frame_depth(impactor, &spans).filter(|limit| depth > limit && !is_on_springs) {
         let hint = format!("it reaches the frame at {}", millimetres(limit));
         checker.report_with(DEPTH, "the impactor reaches the frame before this depth", hint);
     }
-    for face in &model.faces {
+    for face in model.faces.iter().filter(|_| !is_on_springs && !is_clamped) {
         // The others lie below the first face.
         let before = model.faces[0].height - face.height;
         for (fibre, name) in ["MD", "TD"].into_iter().enumerate() {
