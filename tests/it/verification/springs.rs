@@ -1,7 +1,7 @@
 //! Film on springs: a strip between springs under a lying shaft against the roots of its equilibrium, the balance of preload and
 //! film, a mass that swings on them, parts between mirror planes against the whole.
 
-use droptower::simulate::Outcome;
+use droptower::simulate::{self, Outcome};
 
 use super::claims::Claims;
 use super::solve::zero;
@@ -91,6 +91,22 @@ fn a_strip_between_springs_is_in_equilibrium_under_a_shaft() {
         }
         claims.at_most(&format!("{what}: energy balance"), outcome.energy_balance_error, 2e-3);
     }
+}
+
+/// Springs give way, so that film on them is not as tense as within a rigid edge: no more mass than its own follows from that.
+#[test]
+fn film_on_springs_is_indented_with_its_own_mass() {
+    let step = |scaling: &str| {
+        let model = written(&format!(
+            "specimen = {{ shape.rectangle = [0.1, 0.1], mesh.size = 0.01, material = {{ density = 1000, thickness = 1e-4, \
+             elastic = {{ young = 2e9, poisson = 0.3 }} }} }}
+             frame.springs = {{ stiffness = 1e3, count = 40, length = 0.2 }}
+             impactor = {{ shape.sphere.radius = 0.04, friction = 0.2 }}
+             loading.indent = {{ depth = 0.015, velocity = 0.05{scaling} }}"
+        ));
+        simulate::engine(&model).expect("an engine").time_step()
+    };
+    assert_eq!(step(""), step(", mass_scaling = 1"));
 }
 
 /// A strip that is mounted without stretch, under the preload of its springs: n F(e₀ − (λ − 1)a) = T(λ).
