@@ -380,6 +380,15 @@ impl Monitor {
             strain,
             end: hardening.end(),
         }));
+        let is_without_thickness = |face: &usize| {
+            let mut states = outcome.snapshots.iter().filter_map(|snapshot| snapshot.films.get(*face));
+            states.any(|state| {
+                let mut ratios = state.thickness_ratio.iter().zip(&state.failed);
+                ratios.any(|(ratio, failed)| ratio.is_nan() && !failed)
+            })
+        };
+        let without = (0..model.faces.len()).filter(is_without_thickness);
+        out.extend(without.map(|face| Warning::ThicknessLost { face: face + 1 }));
         let torn = yielded.filter(|(.., face)| face.material.rupture.is_some());
         out.extend(torn.filter_map(|(face, strain, hardening, _)| {
             Some(Warning::ThinningBeforeBreak { face, strain, from: thins_from(hardening, strain)? })

@@ -406,6 +406,13 @@ findings! {
                 (`specimen.material.plastic.hardening.curve`), or give Voce's law";
             message "face {face} reached the equivalent plastic strain {}, its flow curve ends at {}",
                 number::significant(*strain, 3), number::significant(*end, 3);
+        ThicknessLost {
+            face: usize, "number of the face, from one" => "face";
+        } = "thickness-lost", Warning;
+            meaning "film was strained so far that its law gives no thickness: of linear elastic film 1 + 2E₃₃ is below zero. Its \
+                thickness is left out there, and the largest loss of thickness is that of other elements";
+            remedy "give a hyperelastic law (`specimen.material.hyperelastic`), which holds at large strains";
+            message "face {face} is strained beyond where its law gives a thickness";
         HeatTwice {
             face: usize, "its face" => "face";
             rate: f64, "highest rate of its curves, 1/s" => "rate_per_s";
