@@ -65,7 +65,7 @@ pub(crate) fn named(name: &str) -> (String, Reading) {
     let force = LINE_FORCES.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, (*unit).to_owned())));
     let other = || Unit::of_name(name).map(|(stem, unit)| (stem, printed(unit.symbol()).to_owned()));
     let (words, unit) = match force.or_else(other) {
-        _ if name == "penetration" => (name, "of the radius".into()),
+        _ if name == "penetration" => (name, "of half its width".into()),
         _ if name == "seconds" => ("time", "s".into()),
         Some(found) => found,
         None => (name, String::new()),
@@ -208,7 +208,7 @@ mod tests {
             ("peak_acceleration_m_s2", Value::from(153.04321), "peak acceleration 153.0 m/s² (15.61 g)"),
             ("rupture_time_s", Value::from(0.0312345), "rupture time 0.03123 s"),
             ("ruptured", Value::from(true), "ruptured yes "),
-            ("penetration", Value::from(0.01), "penetration 0.01000 of the radius"),
+            ("penetration", Value::from(0.01), "penetration 0.01000 of half its width"),
             ("mass_kg", Value::from(0.2), "mass 0.2000 kg"),
             ("thickness_um", Value::from(12), "thickness 12 µm"),
             ("angle_deg", Value::from(45), "angle 45 °"),

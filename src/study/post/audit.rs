@@ -82,7 +82,7 @@ pub struct Audit {
     pub damping_share: Option<f64>,
     /// How the film came to equilibrium before the test; none where nothing holds it.
     pub relaxation: Option<RelaxationFigures>,
-    /// Largest penetration over the impactor's radius.
+    /// Largest penetration over the impactor's radius, or over half its smallest extent where it is not round.
     pub penetration: Option<f64>,
     /// The mesh of each face.
     pub meshes: Vec<MeshFigures>,
