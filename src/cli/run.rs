@@ -187,7 +187,8 @@ fn runs(args: &RunArgs, stop: &Cancellation) -> Result<Runs, Failure> {
     let (mut complete, mut rest) = (vec![], vec![]);
     for (checked, place) in scenarios.into_iter().zip(places) {
         if args.resume
-            && let Some(summary) = complete_summary(&checked, &place)
+            && let Some(summary) =
+                complete_summary(&checked, &place).filter(|_| !args.vtu || place.join(run_files::FILM_SERIES).exists())
         {
             let warning = checkpoint::Warning::Complete { run: checked.model.name, folder: place };
             complete.push(Complete { warning, summary });

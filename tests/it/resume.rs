@@ -145,6 +145,9 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     let output = droptower(bench.path(), &all);
     assert_eq!(error(&output).matches(" is complete: runs/").count(), 2, "{}", error(&output));
     assert!(written("done") == before[0] && written("later") > before[1]);
+    // A run without files for ParaView is not what is asked for.
+    let for_paraview = [&["run", done, "--resume", "--vtu"][..], &SLOW].concat();
+    refused(&droptower(bench.path(), &for_paraview), "there is no checkpoint in");
 }
 
 /// Whether a run of a batch is complete follows from what its files hold, not from their times.
