@@ -81,7 +81,8 @@ pub(super) fn keywords(text: &str, system: System) -> Result<Vec<Entry<'_>>, Mis
             keyword.title = Some(line.trim());
             continue;
         }
-        let is_point = matches!(keyword.name(), "DEFINE_CURVE" | "DEFINE_TABLE") && !keyword.rows.is_empty();
+        let is_point =
+            matches!(keyword.name(), "DEFINE_CURVE" | "DEFINE_TABLE" | "DEFINE_TABLE_2D") && !keyword.rows.is_empty();
         let width = if is_point { LONG } else { width };
         // In free format fields are between commas.
         let most = if line.contains(',') { usize::MAX } else { FIELDS * width };

@@ -131,14 +131,16 @@ fn ogden(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
 
 fn polynomial(reader: &mut Reader, fields: &Fields<'_, '_>) -> Result<Law, Mistake> {
     unfitted(reader, fields)?;
-    for name in ["C11", "C02"] {
+    let c = |name: &'static str| fields.number(name);
+    let found = [c("C10")?, c("C01")?, c("C20")?, c("C30")?];
+    // Yeoh's energy has no C01.
+    let is_yeoh = found[2] != 0.0 || found[3] != 0.0;
+    for name in ["C11", "C02"].into_iter().chain(is_yeoh.then_some("C01")) {
         let cell = fields.cell(name)?;
         if cell.number()? != 0.0 {
             return Err(cell.mistake(format!("{name} is of an energy that is not known here")));
         }
     }
-    let c = |name: &'static str| fields.number(name);
-    let found = [c("C10")?, c("C01")?, c("C20")?, c("C30")?];
     relaxing(reader, fields, FoundLaw::Polynomial(found), 2.0 * (found[0] + found[1]), "C10")
 }
 

@@ -176,6 +176,14 @@ pub fn read(card: &str, system: System, wanted: Option<&str>) -> Result<Reading,
             (Some(wanted), false) => nowhere(format!("there is no material {wanted}")),
             _ => nowhere("there is no material that is known here".into()),
         })?;
+    let units = entry.word(3);
+    if !matches!(units, "" | "0") {
+        let message = format!(
+            "{} is in the units of /UNIT/{units}, which are not read: write it in those of the card",
+            entry.shown()
+        );
+        return Err(Mistake { place: Place { line: entry.line, column: 1 }, message });
+    }
     let mut reader = Reader { system, curves: BTreeMap::new(), tables: BTreeMap::new(), warnings: vec![] };
     let others = all.iter().filter(|entry| material(entry).is_none() && !(dialect.is_passed_over)(entry));
     reader.warnings.extend(others.map(|entry| Warning::Keyword { line: entry.line, name: entry.shown() }));

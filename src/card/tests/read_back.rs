@@ -205,6 +205,22 @@ fn hardening_by_points_and_by_a_tangent_modulus() {
     }
 }
 
+/// Both kinds of tables have twenty columns a field; one names its curves.
+#[test]
+fn curves_by_rate_are_read_from_either_table() {
+    for (keyword, named) in [("DEFINE_TABLE", ["", ""]), ("DEFINE_TABLE_2D", ["11", "12"])] {
+        let material =
+            "*MAT_024\n         1      1e-9      200.        .4        8.\n                           101\n\n\n";
+        let table = format!("*{keyword}\n       101\n{:>20}{:>20}\n{:>20}{:>20}\n", 0.001, named[0], 1.0, named[1]);
+        let curve = |number: u8, stress: f64| format!("*DEFINE_CURVE\n{number:>10}\n{:>20}{stress:>20}\n", 0.0);
+        let text = format!("{material}{table}{}{}", curve(11, 8.0), curve(12, 10.0));
+        let FoundLaw::Plastic { curves, .. } = card::read::read(&text, System::TMmS, None).unwrap().film.law else {
+            panic!("not plastic")
+        };
+        assert_eq!(curves, [(Some(0.001), vec![[0.0, 8e6]]), (Some(1.0), vec![[0.0, 1e7]])]);
+    }
+}
+
 #[test]
 fn what_cannot_be_read_is_a_mistake_at_its_place() {
     let fabric = |form: &str, curve: &str| {
@@ -231,6 +247,8 @@ fn what_cannot_be_read_is_a_mistake_at_its_place() {
         ("*MAT_FABRIC\n1,1e-9\n\n,,,,,14\n\n\n2,2,2\n".into(), 7, 1, "there is no curve or table 2"),
         ("*MAT_OGDEN_RUBBER\n1,1e-9,.4999,2\n1.\n2.\n".into(), 2, 14, "N is not 0"),
         ("*MAT_OGDEN_RUBBER\n1,1e-9,.4999,0\n1.\n-2.\n".into(), 3, 1, "a shear modulus above zero is missing"),
+        ("*MAT_HYPERELASTIC_RUBBER\n1,1e-9,.4999,0\n.5,.2,,,,.01\n".into(), 3, 4, "C01 is of an energy"),
+        ("/UNIT/5\nlocal\n/MAT/LAW42/1/5\nrubber\n".into(), 3, 1, "in the units of /UNIT/5"),
     ] {
         let Err(Mistake { place, message }) = card::read::read(&text, System::TMmS, None) else {
             panic!("read: {text}")
