@@ -246,14 +246,20 @@ fn later(time: f64, previous: f64) -> Result<f64, Error> {
 }
 
 /// Writes `recording`, numbers in the shortest form that reads back to the same bits; times without the noise of their
-/// last digits (see [`clean_time`]).
+/// last digits (see [`clean_time`]), where steps keep theirs.
 pub fn write(recording: &Recording, out: impl Write) -> io::Result<()> {
     let mut rows = WriterBuilder::new().from_writer(out);
     let names = recording.channels.iter().map(|channel| channel.name.as_str());
     rows.write_record(std::iter::once(TIME).chain(names))?;
-    for (index, time) in recording.time.iter().enumerate() {
+    let clean: Vec<f64> = recording.time.iter().copied().map(clean_time).collect();
+    // Of a clock that counts from 1970 the last digits are no noise.
+    let step = |pair: &[f64]| pair[1] - pair[0];
+    let mut steps = recording.time.windows(2).map(step).zip(clean.windows(2).map(step));
+    let is_kept = steps.all(|(step, clean)| (clean - step).abs() <= 1e-3 * step);
+    let times = if is_kept { &clean } else { &recording.time };
+    for (index, time) in times.iter().enumerate() {
         let values = recording.channels.iter().map(|channel| channel.values[index]);
-        rows.write_record(std::iter::once(clean_time(*time)).chain(values).map(cell))?;
+        rows.write_record(std::iter::once(*time).chain(values).map(cell))?;
     }
     rows.flush()
 }
@@ -313,5 +319,17 @@ mod tests {
         let text = String::from_utf8(text).unwrap();
         assert!(text.starts_with("time_s,acceleration_m_s2,displacement_m\n0.0,-9.81,-0.0\n"), "{text}");
         assert_eq!(read_text(&text).unwrap(), recording);
+    }
+
+    #[test]
+    fn written_times_lose_their_noise_and_nothing_else() {
+        for (time, expected) in [
+            (&[0.057, 0.057_300_000_000_000_004][..], "0.057,0.0573"),
+            (&[1.7e9, 1.7e9 + 1e-3], "1700000000.0,1700000000.001"),
+        ] {
+            let mut text = Vec::new();
+            write(&Recording { time: time.to_vec(), channels: vec![] }, &mut text).unwrap();
+            assert_eq!(String::from_utf8(text).unwrap(), format!("time_s,{expected},").replace(',', "\n"));
+        }
     }
 }
