@@ -14,7 +14,7 @@ use base::removed;
 use base::units::{Dimension, Frequency};
 use lab::signal::file::ChannelSelection;
 use lab::signal::filter::{self, Standard};
-use lab::signal::{Annotations, Channel, MeasuredChannel, Measurement, Recording, Series, Warning, resample};
+use lab::signal::{Annotations, Channel, MeasuredChannel, Measurement, Recording, Series, Warning, gap, resample};
 
 #[derive(Debug, Args)]
 pub(crate) struct FilterArgs {
@@ -102,7 +102,7 @@ fn even(args: &FilterArgs, series: &Series) -> Result<Series, Diagnostic> {
     let Some(rate) = args.resample else {
         return Ok(series.clone());
     };
-    let even = filter::check_complete(series).and_then(|()| resample::uniform(series, 1.0 / rate));
+    let even = gap::check(series).map_err(lab::Error::from).and_then(|()| resample::uniform(series, 1.0 / rate));
     even.map_err(|error| failure::content(&args.input.path, &error))
 }
 

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::{Series, resample};
+use super::{Series, gap, resample};
 use crate::error::{Error, refusal};
 
 /// Which standard's constant ties the corner frequency to the class.
@@ -139,17 +139,9 @@ fn mean<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     sum / count
 }
 
-/// Refuses a series of which a sample was not measured.
-pub fn check_complete(series: &Series) -> Result<(), Error> {
-    match series.samples().find(|[_, value]| !value.is_finite()) {
-        Some([time, _]) => Err(refusal!("nothing was measured at {time} s")),
-        None => Ok(()),
-    }
-}
-
 /// The series through the channel filter of `class`; it must be complete and equally spaced.
 pub fn channel(series: &Series, class: f64, standard: Standard) -> Result<Series, Error> {
-    check_complete(series)?;
+    gap::check(series)?;
     let interval = resample::common_step(series.time()).ok_or_else(|| {
         refusal!("the samples are not equally spaced, as the channel filter needs")
             .with_hint("bring it to equal steps: --resample \"10 kHz\"")
@@ -332,7 +324,11 @@ mod tests {
     fn gaps_and_uneven_steps_are_refused() {
         let uneven = Series::new(vec![0.0, 1e-5, 5e-5], vec![0.0; 3]);
         let gap = Series::new(vec![0.0, 1e-5, 2e-5], vec![0.0, f64::NAN, 0.0]);
+        let hole = Series::new(vec![0.0, 1e-5, 2e-5, 9e-5], vec![0.0; 4]);
         let refused = |series: &Series| channel(series, 60.0, Standard::Iso6487).unwrap_err();
+        assert!(
+            refused(&hole).hint().is_none() && refused(&hole).message().starts_with("there are no samples between")
+        );
         assert!(refused(&uneven).message().starts_with("the samples are not equally spaced"));
         assert_eq!(refused(&gap).to_string(), "nothing was measured at 0.00001 s");
     }
