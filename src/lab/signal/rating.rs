@@ -77,10 +77,13 @@ pub fn rate(reference: &Series, comparison: &Series) -> Result<Rating, Error> {
     let span = common_span(reference, comparison)?;
     let curves = [(Curve::Reference, reference), (Curve::Comparison, comparison)];
     for (curve, series) in curves {
-        gap::check(&series.window(span)).map_err(|gap| Error::from(gap).about(curve))?;
+        gap::check(&series.window(around(series, span))).map_err(|gap| Error::from(gap).about(curve))?;
     }
     let samples = sample_count(span)?;
-    let [r, c] = [reference, comparison].map(|series| sampled(series, span[0], samples));
+    let sampled = |(curve, series): (Curve, &Series)| {
+        sampled(series, span, samples).ok_or_else(|| refusal!("the {curve} has values too large to be rated"))
+    };
+    let (r, c) = (sampled(curves[0])?, sampled(curves[1])?);
     if r.iter().all(|value| *value == 0.0) {
         let [from, to] = span.map(|time| significant(time, 9));
         return Err(refusal!("the reference is zero everywhere between {from} s and {to} s"));
@@ -131,6 +134,12 @@ fn common_span(reference: &Series, comparison: &Series) -> Result<[f64; 2], Erro
     Ok(span)
 }
 
+/// Times of the samples between which `series` has its values from `from` to `to`, which it covers.
+fn around(series: &Series, [from, to]: [f64; 2]) -> [f64; 2] {
+    let time = series.time();
+    [time[time.partition_point(|t| *t <= from) - 1], time[time.partition_point(|t| *t < to)]]
+}
+
 fn sample_count([from, to]: [f64; 2]) -> Result<usize, Error> {
     // Rounding of recorded times must not drop the last sample.
     let samples = ((to - from) * RATE + 1e-3).floor() as usize + 1;
@@ -149,22 +158,21 @@ fn sample_count([from, to]: [f64; 2]) -> Result<usize, Error> {
     Ok(samples)
 }
 
-/// The values at `count` instants from `start` on at [`RATE`]; those of the samples themselves where they lie there.
-fn sampled(series: &Series, start: f64, count: usize) -> Vec<f64> {
-    let (time, values) = (series.time(), series.values());
-    if let Some(first) = first_of_rate(series, start) {
-        return values[first..].iter().copied().take(count).collect();
+/// The values at `count` instants between `from` and `to` at [`RATE`]; those of the samples themselves where they lie there.
+/// None where one is not finite.
+fn sampled(series: &Series, [from, to]: [f64; 2], count: usize) -> Option<Vec<f64>> {
+    if let Some(first) = first_of_rate(series, from) {
+        return series.values().get(first..first + count).map(<[f64]>::to_vec);
     }
-    let last = time[time.len() - 1];
-    let at = |index| series.value_at((start + index as f64 / RATE).min(last));
-    (0..count).map_while(at).collect()
+    (0..count).map(|index| series.value_at((from + index as f64 / RATE).min(to))).collect()
 }
 
-/// Index of the sample at `start` in a series that is sampled at [`RATE`] already.
+/// Index of the sample at `start` in a series that is sampled at [`RATE`] already, to a thousandth of a step at its end.
 fn first_of_rate(series: &Series, start: f64) -> Option<usize> {
     let step = resample::common_step(series.time())?;
     let steps = (start - series.time()[0]) * RATE;
-    let on_samples = (step * RATE - 1.0).abs() < 1e-6 && (steps - steps.round()).abs() < 1e-3;
+    let drift = (step * RATE - 1.0) * (series.len() - 1) as f64;
+    let on_samples = drift.abs() < 1e-3 && (steps - steps.round()).abs() < 1e-3;
     on_samples.then_some(steps.round() as usize)
 }
 
@@ -496,6 +504,30 @@ mod tests {
         assert_eq!(rating.warnings, [Warning::CurveResampled { curve, samples: 100_001, from: 0.005, to: 0.095 }]);
         let cut = rate(&at_10_khz(pulse), &late).unwrap();
         assert_eq!(cut.warnings, [Warning::CurveCut { curve, from: 0.005, to: 0.095 }]);
+    }
+
+    /// A sample just outside the common span decides on the values at its ends.
+    #[test]
+    fn gaps_beside_the_common_span_are_refused() {
+        let short = sampled_at(1e-4, [0.010_05, 0.089_95], pulse);
+        for (gap, at) in [(100, "0.01"), (900, "0.09")] {
+            let mut values = at_10_khz(pulse).values().to_vec();
+            values[gap] = f64::NAN;
+            let long = at_10_khz(pulse).with_values(values);
+            for (a, b) in [(&long, &short), (&short, &long)] {
+                let error = rate(a, b).unwrap_err().to_string();
+                assert!(error.ends_with(&format!("nothing was measured at {at} s")), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_clock_that_drifts_is_resampled() {
+        let time: Vec<f64> = (0..=1_200_000).map(|i| f64::from(i) * 1e-4 * (1.0 + 9.5e-7)).collect();
+        let values: Vec<f64> = time.iter().map(|t| pulse(t - 119.9)).collect();
+        let other = sampled_at(1e-4, [119.9, 121.0], |t| pulse(t - 119.9));
+        let rating = rate(&Series::new(time, values), &other).unwrap();
+        assert!(rating.overall > 1.0 - 1e-3 && rating.shift == 0.0, "{rating:?}");
     }
 
     #[test]
