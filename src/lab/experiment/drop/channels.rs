@@ -6,7 +6,7 @@ use super::result::Drop;
 use super::{Class, Reduction, Tower};
 use crate::error::{Error, refusal};
 use crate::experiment::Warning;
-use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations, gap};
+use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations, gap, resample};
 use base::diagnostic::listed;
 use base::number::clean_time;
 use base::units::{Acceleration, Dimension, Force, Length, Mass, UnitError};
@@ -175,14 +175,18 @@ pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
     let step = gap::usual_step(reading.time());
     // Of each gap the time of the last measured sample before it, and the time to the next, s.
     let (mut time, mut values, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
+    let mut inserted = 0.0;
     for pair in measured.windows(2) {
         let [[from, first], [to, last]] = [pair[0], pair[1]];
         time.push(from);
         values.push(first);
-        let between = between(reading.time(), [from, to], step);
-        if between.is_empty() {
+        let steps = steps(reading.time(), [from, to], step);
+        inserted += missing(&steps);
+        // A hole that would need too many samples stays one.
+        if missing(&steps) == 0.0 || inserted > resample::MOST_SAMPLES as f64 {
             continue;
         }
+        let between = between(&steps);
         let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
         gaps.extend(is_bridged.then(|| [from, clean_time(to - from)]));
         let value = |t: f64| if is_bridged { first + (last - first) * (t - from) / (to - from) } else { f64::NAN };
@@ -216,22 +220,31 @@ fn outside(missing: &[f64], [from, to]: [f64; 2], masks: &[[f64; 2]]) -> f64 {
 pub fn longest_gap(reading: &Series) -> Option<f64> {
     let measured: Vec<f64> = reading.samples().filter(|[_, value]| value.is_finite()).map(|[t, _]| t).collect();
     let step = gap::usual_step(reading.time());
-    let gaps = measured.windows(2).filter(|pair| !between(reading.time(), [pair[0], pair[1]], step).is_empty());
+    let gaps = measured.windows(2).filter(|pair| missing(&steps(reading.time(), [pair[0], pair[1]], step)) > 0.0);
     gaps.map(|pair| clean_time(pair[1] - pair[0])).max_by(f64::total_cmp)
 }
 
-/// Times between two neighbouring measured samples at which a value is missing: those of `time`, or in steps where rows
-/// are missing.
-fn between(time: &[f64], [from, to]: [f64; 2], step: f64) -> Vec<f64> {
+/// Neighbouring samples from one that is measured to the next: times of both, and the steps between them, several where rows are
+/// missing.
+fn steps(time: &[f64], [from, to]: [f64; 2], step: f64) -> Vec<([f64; 2], f64)> {
     let empty = &time[time.partition_point(|t| *t <= from)..time.partition_point(|t| *t < to)];
     let ends = [&[from], empty, &[to]].concat();
-    let mut times = Vec::new();
-    for pair in ends.windows(2) {
-        let count = if gap::is_hole(pair[1] - pair[0], step) { ((pair[1] - pair[0]) / step).round() } else { 1.0 };
-        let inner = (1..count as usize).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count);
-        times.extend(inner);
-        times.push(pair[1]);
-    }
+    let count = |duration: f64| if gap::is_hole(duration, step) { (duration / step).round() } else { 1.0 };
+    ends.windows(2).map(|pair| ([pair[0], pair[1]], count(pair[1] - pair[0]))).collect()
+}
+
+/// Number of values that are missing within `steps`.
+fn missing(steps: &[([f64; 2], f64)]) -> f64 {
+    steps.iter().map(|(_, count)| count).sum::<f64>() - 1.0
+}
+
+/// Their times.
+fn between(steps: &[([f64; 2], f64)]) -> Vec<f64> {
+    let within = |([from, to], count): &([f64; 2], f64)| {
+        let (from, length, count) = (*from, to - from, *count);
+        (1..count as usize).map(move |i| from + length * i as f64 / count).chain([*to])
+    };
+    let mut times: Vec<f64> = steps.iter().flat_map(within).collect();
     times.pop();
     times
 }
@@ -425,6 +438,17 @@ mod tests {
         let Bridged { series, warning } = bridged(&empty, 2.9, &[]);
         assert!(warning.is_none() && gap::first(&series).is_some());
         assert_eq!(longest_gap(&line(&[0.0, 1.0, 2.0])), None);
+    }
+
+    /// A hole of 10^11 steps.
+    #[test]
+    fn the_longest_hole_takes_no_memory() {
+        let far = line(&[0.0, 1e-5, 2e-5, 3e-5, 1e6]);
+        assert_eq!(longest_gap(&far), Some(999_999.999_97));
+        for (longest, mask) in [(0.0, [0.0, 0.0]), (2e6, [0.0, 0.0]), (0.0, [2.5e-5, 0.5])] {
+            let Bridged { series, warning } = bridged(&far, longest, &[mask]);
+            assert!(warning.is_none() && series.len() <= far.len() && gap::first(&series).is_some());
+        }
     }
 
     /// Contact of the pulses, s.

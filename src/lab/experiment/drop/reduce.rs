@@ -63,7 +63,11 @@ pub fn reduce(
 fn check(tower: &Tower, reduction: &Reduction) -> Result<(), Error> {
     let mut values = vec![("mass", Some(tower.body.mass)), ("gravity", Some(tower.body.gravity))];
     values.extend([("height", tower.height), ("impact speed", reduction.speed)]);
-    values.push(("error of the height", reduction.height_error));
+    values.extend([
+        ("error of the height", reduction.height_error),
+        ("error of the impact speed", reduction.speed_error),
+        ("error of the time of contact", reduction.contact_error),
+    ]);
     values.push(("error of the guide's friction", reduction.guide_friction.map(|[_, error]| error)));
     if let Correction::Coupling { time_constant } = reduction.correction {
         values.push(("time constant", time_constant));

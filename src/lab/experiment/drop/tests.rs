@@ -354,10 +354,14 @@ fn what_cannot_be_reduced_is_refused_by_channel() {
     let too_high = Tower { height: Some(2.5), ..TOWER };
     let cfc_1000 = Reduction { class: Class::Given(1000.0), ..default };
     let weightless = Tower { body: Body { mass: 0.0, ..BODY }, ..TOWER };
+    let sure = Reduction { speed_error: Some(0.0), ..default };
+    let early = Reduction { contact_error: Some(-0.02), ..default };
     let gap = reading.with_values(reading.samples().map(|[t, v]| if t == 0.3 { f64::NAN } else { v }).collect());
     let slow = of_samples(reading.samples().step_by(10));
     for (found, expected) in [
         (refusal(&reading, &weightless, &default), "the mass is 0, but must be positive"),
+        (refusal(&reading, &TOWER, &sure), "the error of the impact speed is 0, but must be positive"),
+        (refusal(&reading, &TOWER, &early), "the error of the time of contact is -0.02, but must be positive"),
         (refusal(&gap, &TOWER, &default), "acceleration: nothing was measured at 0.3 s"),
         (refusal(&reading, &unknown, &default), "neither height, impact speed nor time of contact is known"),
         (refusal(&reading, &too_high, &default), "acceleration: the fall that was recorded has height 1."),
