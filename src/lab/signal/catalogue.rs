@@ -124,8 +124,9 @@ pub struct Columns {
     pub places: Vec<(usize, usize)>,
 }
 
-/// Most columns of an array that become channels.
+/// Most columns of an array, and of all of a file, that become channels.
 const MOST_COLUMNS: u64 = 10_000;
+const MOST_CHANNELS: usize = 100_000;
 
 impl Columns {
     /// Adds an array of so many rows and columns, or the reason why its values cannot be read.
@@ -138,9 +139,14 @@ impl Columns {
     ) -> Result<(), Error> {
         let (rows, columns, unread) = match shape {
             Ok([_, columns]) if columns > MOST_COLUMNS => (0, 1, Some(format!("it has {columns} columns"))),
+            // An array without rows takes no bytes, however many columns it has.
+            Ok([0, _]) => (0, 1, None),
             Ok([rows, columns]) => (rows, columns, None),
             Err(why) => (0, 1, Some(why)),
         };
+        if self.entries.len() + columns as usize > MOST_CHANNELS {
+            return Err(refusal!("more than {MOST_CHANNELS} channels"));
+        }
         for column in 0..columns {
             let own = if columns > 1 { format!("{name}(:,{})", column + 1) } else { name.to_owned() };
             let mut entry = Entry::new(group, &own, unit)?;
@@ -583,6 +589,18 @@ mod tests {
 
     use super::*;
     use crate::signal::file;
+
+    #[test]
+    fn arrays_become_few_channels() {
+        let mut columns = Columns::default();
+        for (shape, channels) in [([0, 10_000], 1), ([2, 3], 3), ([1, 20_000], 1), ([1, 10_000], 10_000)] {
+            let before = columns.entries.len();
+            columns.push(["", "a"], None, 0, Ok(shape)).unwrap();
+            assert_eq!(columns.entries.len() - before, channels, "{shape:?}");
+        }
+        let error = (0..10).find_map(|_| columns.push(["", "a"], None, 0, Ok([1, 10_000])).err()).unwrap();
+        assert_eq!(error.to_string(), "more than 100000 channels");
+    }
 
     // Files that other programs wrote or that were made after descriptions of their formats, read as those programs' readers
     // read them: `tests/formats/recordings.py` made them and what is expected of them.

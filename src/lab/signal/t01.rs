@@ -23,6 +23,8 @@ const MARK: &str = "; test from ";
 /// Most bytes of a file.
 const MOST_BYTES: u64 = 1 << 30;
 
+const NO_INSTANT: &str = "the file ends before its first instant";
+
 /// A unit as powers of the file's mass, length and time, and its symbol in SI.
 type Measure = ([i32; 3], &'static str);
 
@@ -116,7 +118,7 @@ pub fn open(path: &Path) -> Result<Catalogue, Error> {
     let missing = (rest > 0).then(|| Warning::TruncatedFile { missing: (step - rest) as u64 });
     annotations.warnings.extend(missing);
     if count == 0 {
-        return Err(refusal!("the file ends before its first instant"));
+        return Err(Error::new(NO_INSTANT));
     }
     let mut entries: Vec<Entry> = Vec::new();
     let mut file = T01 { channels: vec![], instants: (first, step, count), bytes };
@@ -298,6 +300,10 @@ impl Head {
                 names.push(number);
             }
             let numbers = records.list("the values of a group", count)?;
+            // Its values are listed only where the file has bytes for one instant of them.
+            if members.saturating_mul(count).saturating_mul(4).saturating_add(place) > records.left() {
+                return Err(Error::new(NO_INSTANT));
+            }
             head.group(kind, &title, &names, &numbers, place + 4);
             place += head.add(members.saturating_mul(count));
         }
@@ -358,6 +364,11 @@ struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
+    /// Bytes behind the last record.
+    fn left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
     /// The next record.
     fn next(&mut self, what: &'static str) -> Result<Record<'a>, Error> {
         let ends = || refusal!("byte {}: the file ends within {what}", self.at);
@@ -440,3 +451,28 @@ pub fn is_own(first: &[u8]) -> bool {
 
 /// The comment by which a motion is known as computed, here and in tables.
 pub const COMPUTED: &str = "VIRTUAL: computed by OpenRadioss";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A group of a thousand members with a thousand values each, and no instant.
+    #[test]
+    fn values_without_an_instant_are_not_listed() {
+        let mut bytes = Vec::new();
+        let mut record = |numbers: &[i32], length: usize| {
+            let length_bytes = (length as u32).to_be_bytes();
+            let mut content: Vec<u8> = numbers.iter().flat_map(|number| number.to_be_bytes()).collect();
+            content.resize(length, 0);
+            bytes.extend([&length_bytes[..], &content, &length_bytes].concat());
+        };
+        record(&[3000], 84);
+        record(&[], 80);
+        record(&[0, 0, 0, 0, 1, 0], 24);
+        record(&[1, NODES, 0, 1000, 1000], 60);
+        (0..1000).for_each(|member| record(&[member], 44));
+        record(&[1; 1000], 4000);
+        let found = Head::read(&mut Records { bytes: &bytes, at: 0 });
+        assert_eq!(found.err().map(|error| error.to_string()), Some(NO_INSTANT.to_owned()));
+    }
+}
