@@ -145,17 +145,17 @@ fn same_axis(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_TIME * step)
 }
 
-/// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name.
+/// Place of the one pair of name and label that `wanted` asks for: the label itself, or else the name, with its group or without.
 pub(super) fn find<'a>(wanted: &str, known: impl Iterator<Item = (&'a str, &'a str)> + Clone) -> Result<usize, Error> {
     let places = |hit: &dyn Fn(&str, &str) -> bool| -> Vec<usize> {
         known.clone().enumerate().filter(|(_, (name, label))| hit(name, label)).map(|(place, _)| place).collect()
     };
     let exact = places(&|_, label| label == wanted);
-    let found = if exact.len() == 1 { exact } else { places(&|name, label| name == wanted || label == wanted) };
+    let found = if exact.len() == 1 { exact } else { places(&|name, label| is_called(wanted, name, label)) };
     match found[..] {
         [place] => Ok(place),
         [] => {
-            let names: Vec<String> = known.map(|(name, _)| name.into()).collect();
+            let names: Vec<String> = known.map(|(name, label)| titled(name, label)).collect();
             Err(missing(wanted, &names))
         }
         _ => {
@@ -169,6 +169,17 @@ pub(super) fn find<'a>(wanted: &str, known: impl Iterator<Item = (&'a str, &'a s
             Err(ambiguous(wanted, &labels))
         }
     }
+}
+
+/// Whether `wanted` is a channel's name, with its group or without, or its label.
+fn is_called(wanted: &str, name: &str, label: &str) -> bool {
+    name == wanted || label == wanted || titled(name, label) == wanted
+}
+
+/// The name, with the group that the label has before it: `GROUP/NAME` of `GROUP/NAME [N]`.
+fn titled(name: &str, label: &str) -> String {
+    let title = ColumnName::read(label).name;
+    if title.strip_suffix(name).is_some_and(|group| group.ends_with('/')) { title } else { name.to_owned() }
 }
 
 /// Refuses a name that no channel has.
@@ -221,12 +232,12 @@ impl ReadOptions {
     /// channel, or else of `others`. A refusal, of the channel as it is `shown`, where file and caller differ.
     pub(super) fn unit(
         &self,
-        names: [&str; 2],
+        [name, label]: [&str; 2],
         file: Option<&Unit>,
         others: Option<&Unit>,
         shown: &str,
     ) -> Result<Option<Unit>, Error> {
-        let named = self.units.iter().find(|(name, _)| names.contains(&name.as_str()));
+        let named = self.units.iter().find(|(wanted, _)| is_called(wanted, name, label));
         match (file, named.map(|(_, unit)| unit).or(others)) {
             (Some(file), Some(given)) if file != given => {
                 let (file, given) = (file.symbol(), given.symbol());
@@ -315,6 +326,26 @@ mod tests {
             let read = ColumnName::read(&column).unit.map(|unit| unit.si_symbol());
             assert_eq!(read, measured.value_unit(), "{column}");
         }
+    }
+
+    #[test]
+    fn a_channel_is_found_by_its_group_and_name() {
+        let channels = vec![channel("a", "S1/a [N]", Some("N")), channel("a", "S2/a [N]", Some("N"))];
+        let both = Measurement { channels, ..Measurement::default() };
+        for (name, expected) in [
+            ("S2/a", "S2/a [N]"),
+            ("S1/a [N]", "S1/a [N]"),
+            ("a", "several channels are called `a`: `S1/a [N]`, `S2/a [N]`"),
+            ("S3/a", "no channel `S3/a` among `S1/a`, `S2/a`"),
+        ] {
+            let found = both.channel(name).map_or_else(|error| error.to_string(), |found| found.label.clone());
+            assert_eq!(found, expected, "{name}");
+        }
+        let options =
+            ReadOptions { units: vec![("S1/a".into(), Unit::parse("kN").unwrap())], ..ReadOptions::default() };
+        let unit =
+            |label: &str| options.unit(["a", label], None, None, label).unwrap().map(|unit| unit.symbol().to_owned());
+        assert_eq!((unit("S1/a [N]").as_deref(), unit("S2/a [N]").as_deref()), (Some("kN"), None));
     }
 
     #[test]

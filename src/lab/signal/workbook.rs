@@ -125,6 +125,10 @@ impl Reader for Workbook {
         let wanted = [channels, times].concat();
         for (number, sheet) in self.sheets.iter().enumerate() {
             let of_sheet: Vec<usize> = wanted.iter().copied().filter(|place| self.places[*place].0 == number).collect();
+            // What is wrong in another sheet does not matter.
+            if of_sheet.is_empty() {
+                continue;
+            }
             let columns: Vec<usize> = of_sheet.iter().map(|place| self.places[*place].1).collect();
             let values = sheet.table().and_then(|mut table| table.read_columns(&columns, None, &mut Vec::new()));
             let values = values.map_err(|error| sheet.located(&error))?;
@@ -170,8 +174,7 @@ fn cells(book: &mut Xlsx<BufReader<File>>, name: String, held: &mut usize) -> Re
             continue;
         }
         let (row, column) = (row as usize, column as usize);
-        let blank = row.saturating_sub(rows.len());
-        *held += blank + column + 1;
+        *held += (row + 1).saturating_sub(rows.len()) + (column + 1).saturating_sub(rows.get(row).map_or(0, Vec::len));
         if *held > MOST_CELLS {
             return Err(refusal!("sheet `{name}` has more than {MOST_CELLS} cells"));
         }
@@ -251,5 +254,74 @@ impl From<XlsxError> for Error {
 impl From<ZipError> for Error {
     fn from(error: ZipError) -> Error {
         refusal!("not a readable zip archive: {error}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+    use crate::signal::{ChannelSelection, file as recording};
+
+    /// A workbook of sheets `S1`, `S2`, … with these rows, whose cells are numbers or texts.
+    fn workbook(sheets: &[Vec<Vec<String>>], path: &Path) {
+        let mut zip = ZipWriter::new(File::create(path).unwrap());
+        let mut part = |name: &str, content: &str| {
+            zip.start_file(name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(content.as_bytes()).unwrap();
+        };
+        let kinds = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+        let relation = |id: &str, kind: &str, target: &str| {
+            format!("<Relationship Id=\"{id}\" Type=\"{kinds}/{kind}\" Target=\"{target}\"/>")
+        };
+        let (mut names, mut relations) = (String::new(), String::new());
+        for (number, rows) in (1..).zip(sheets) {
+            names += &format!("<sheet name=\"S{number}\" sheetId=\"{number}\" r:id=\"r{number}\"/>");
+            let target = format!("worksheets/sheet{number}.xml");
+            relations += &relation(&format!("r{number}"), "worksheet", &target);
+            let cell = |text: &String| match text.parse::<f64>() {
+                Ok(number) => format!("<c><v>{number}</v></c>"),
+                Err(_) => format!("<c t=\"inlineStr\"><is><t>{text}</t></is></c>"),
+            };
+            let row = |cells: &Vec<String>| format!("<row>{}</row>", cells.iter().map(cell).collect::<String>());
+            let rows: String = rows.iter().map(row).collect();
+            part(&format!("xl/{target}"), &format!("<worksheet><sheetData>{rows}</sheetData></worksheet>"));
+        }
+        part("xl/workbook.xml", &format!("<workbook><sheets>{names}</sheets></workbook>"));
+        part("xl/_rels/workbook.xml.rels", &format!("<Relationships>{relations}</Relationships>"));
+        let whole = relation("r1", "officeDocument", "xl/workbook.xml");
+        part("_rels/.rels", &format!("<Relationships>{whole}</Relationships>"));
+        zip.finish().unwrap();
+    }
+
+    fn rows(text: &str) -> Vec<Vec<String>> {
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    }
+
+    #[test]
+    fn a_row_of_another_sheet_does_not_matter() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("two.xlsx");
+        workbook(&[rows("time,a [N]\n0,1\n1,2"), rows("time,b [N]\n0,1\n1,2,3")], &path);
+        for (name, expected) in
+            [("S1/a", None), ("a", None), ("b", Some("sheet `S2`, row 3: expected 2 cells, found 3"))]
+        {
+            let channels = ChannelSelection::Named(vec![name.into()]);
+            let found = recording::read(&path, &ReadOptions { channels, ..ReadOptions::default() });
+            assert_eq!(found.err().map(|error| error.message().to_owned()).as_deref(), expected, "{name}");
+        }
+    }
+
+    /// Of four thousand cells; a count of those before each of them is over the limit.
+    #[test]
+    fn cells_are_counted_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wide.xlsx");
+        workbook(&[vec![vec!["1".to_owned(); 4001]]], &path);
+        assert_eq!(sheets(&path).unwrap().len(), 1);
     }
 }
