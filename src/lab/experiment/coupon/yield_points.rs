@@ -252,6 +252,9 @@ fn line(points: &[[f64; 2]]) -> Option<Modulus> {
 /// Share of the largest force below which a coupon counts as broken, by default.
 pub const BREAK_SHARE: f64 = 0.5;
 
+/// Share of the fall from the largest force within which noise may rise.
+const NOISE: f64 = 0.07;
+
 /// How and where a coupon's curve ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rupture {
@@ -290,15 +293,25 @@ impl Curve {
         }
         let collapsed = (peak..stress.len()).find(|i| stress[*i] < share * stress[peak]);
         let (last, ending) = match collapsed {
-            Some(index) => (start_of_fall(stress, index), CurveEnd::Broke),
+            Some(index) => (start_of_fall(stress, index, NOISE * (stress[peak] - stress[index])), CurveEnd::Broke),
             None => (stress.len() - 1, CurveEnd::RecordEnded),
         };
         Ok(Rupture { strain: self.strain()[last], stress: stress[last], strength: stress[peak], ending })
     }
 }
 
-fn start_of_fall(stress: &[f64], from: usize) -> usize {
-    (1..=from).rev().find(|i| stress[i - 1] <= stress[*i]).unwrap_or(0)
+/// Where the fall to the sample `from` began, which rises by no more than `noise` meanwhile.
+fn start_of_fall(stress: &[f64], from: usize, noise: f64) -> usize {
+    let mut highest = stress[from];
+    let fall = (0..from).rev().take_while(|i| {
+        let falls = stress[*i] >= highest - noise;
+        highest = highest.max(stress[*i]);
+        falls
+    });
+    // Over the root of its length a steady fall grows with it, and what went before does not.
+    let steepness = |i: usize| (stress[i] - stress[from] - noise) / ((from - i) as f64).sqrt();
+    let top = fall.max_by(|a, b| steepness(*a).total_cmp(&steepness(*b))).unwrap_or(from);
+    (1..=top).rev().find(|i| stress[i - 1] <= stress[*i]).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -444,6 +457,21 @@ mod tests {
     fn a_yield_drop_is_no_break() {
         let rupture = curve(&[0.0, 10.0, 7.0, 7.5, 9.0, 0.2]).rupture(BREAK_SHARE).unwrap();
         assert_eq!((rupture.stress, rupture.strength), (9.0, 10.0));
+    }
+
+    /// Noise of half a percent turns the force around many times while it falls.
+    #[test]
+    fn noise_does_not_end_a_fall() {
+        for (before, samples) in [(2e-3, 100), (0.0, 100), (-2e-4, 10), (2e-3, 1000)] {
+            let share = |i: u32| f64::from(i.saturating_sub(1000)) / f64::from(samples);
+            let line = |i: u32| (10.0 - before * f64::from(1000_u32.saturating_sub(i))) * (1.0 - share(i));
+            let stress = (0..=1000 + samples).map(|i| line(i) + 1e-6 * noise(i));
+            let stress: Vec<f64> = [0.0, 10.5].into_iter().chain(stress).collect();
+            let rupture = curve(&stress).rupture(BREAK_SHARE).unwrap();
+            let late = rupture.strain / 0.1 - 1002.0;
+            assert!((rupture.stress - 10.0).abs() < 0.25, "{before}, {samples}: {rupture:?}");
+            assert!(late.abs() <= 5.0 + 0.02 * f64::from(samples), "{before}, {samples}: {late} samples");
+        }
     }
 
     #[test]
