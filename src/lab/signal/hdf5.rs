@@ -22,6 +22,8 @@ struct Hdf5 {
     length: u64,
     /// Groups and data sets that were listed.
     listed: usize,
+    /// Path and bytes of the data set that was read last, whose columns are asked for one after the other.
+    last: (String, Vec<u8>),
 }
 
 /// Where the values of a vector or a matrix are.
@@ -55,7 +57,7 @@ pub fn open(path: &Path) -> Result<Catalogue, Error> {
     let file = File::open_streaming(path).map_err(in_object("/"))?;
     let root = file.root();
     let (columns, sources, comments) = (Columns::default(), Vec::new(), Vec::new());
-    let mut hdf5 = Hdf5 { file, columns, sources, comments, length, listed: 0 };
+    let mut hdf5 = Hdf5 { file, columns, sources, comments, length, listed: 0, last: (String::new(), Vec::new()) };
     let attributes = root.attrs().map_err(in_object("/"))?;
     hdf5.comments = attributes.iter().filter_map(comment).collect();
     hdf5.comments.sort();
@@ -204,8 +206,11 @@ impl Reader for Hdf5 {
     fn values(&mut self, place: usize) -> Result<Vec<f64>, Error> {
         let (array, column) = self.columns.places[place];
         let source = &self.sources[array];
-        let dataset = self.file.dataset(&source.path).map_err(in_object(&source.path))?;
-        let bytes = dataset.read_raw().map_err(in_object(&source.path))?;
+        if self.last.0 != source.path {
+            let dataset = self.file.dataset(&source.path).map_err(in_object(&source.path))?;
+            self.last = (source.path.clone(), dataset.read_raw().map_err(in_object(&source.path))?);
+        }
+        let bytes = &self.last.1;
         let [factor, offset] = source.scale;
         let value = |row: usize| {
             let at = source.start + row * source.row + column * source.column;
@@ -269,4 +274,25 @@ const TAG: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// Whether the first bytes are those of HDF5. The block of MATLAB has 512 bytes.
 pub fn is_own(first: &[u8]) -> bool {
     first.starts_with(TAG) || first.get(512..).is_some_and(|rest| rest.starts_with(TAG))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// The file is empty before the second column is asked for.
+    #[test]
+    fn the_columns_of_an_array_are_read_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.h5");
+        fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/it/formats/hdf5/h5py.h5"), &path).unwrap();
+        let mut file = open(&path).unwrap();
+        let first = file.entries.iter().position(|entry| entry.label().ends_with("sides(:,1)")).unwrap();
+        let before = file.reader.values(first).unwrap();
+        fs::write(&path, "").unwrap();
+        let after = file.reader.values(first + 1).unwrap();
+        assert!(before.len() == after.len() && before != after);
+    }
 }

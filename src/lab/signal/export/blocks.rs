@@ -95,7 +95,8 @@ impl Reader {
     }
 
     fn push_numbers(&mut self, number: usize, numbers: Vec<f64>) -> Result<(), Error> {
-        let texts: Vec<&[String]> = self.pending.iter().map(|(_, cells)| cells.as_slice()).collect();
+        let last = self.pending.len().saturating_sub(HEADER_ROWS);
+        let texts: Vec<&[String]> = self.pending[last..].iter().map(|(_, cells)| cells.as_slice()).collect();
         if let Some((header, taken)) = Header::read(&texts) {
             let above = self.pending.len() - taken;
             let above = self.pending.drain(..).take(above).collect();
@@ -125,11 +126,12 @@ impl Reader {
         }
         match self.blocks.last_mut() {
             Some(block) => block.rows.push(numbers),
-            None => {
-                // Numbers in a head, such as those of a table of specimens.
+            // Numbers in a head, such as those of a table of specimens.
+            None if self.held <= MOST_IN_HEAD => {
                 let texts = numbers.iter().map(|value| if value.is_nan() { String::new() } else { value.to_string() });
                 self.pending.push((number, texts.collect()));
             }
+            None => {}
         }
         Ok(())
     }
@@ -185,6 +187,10 @@ fn specimen(block: &Block, group: &Group, name: String) -> Specimen {
     }
 }
 
+/// Rows of a header: specimens, names and units.
+const HEADER_ROWS: usize = 3;
+/// Most numbers of a head.
+const MOST_IN_HEAD: usize = 100_000;
 /// Most columns among which specimens are looked for.
 const MOST_COLUMNS: usize = 10_000;
 
@@ -278,4 +284,22 @@ fn repeated(columns: &[ColumnName]) -> Vec<Group> {
     (0..count / period.max(1))
         .map(|group| Group { name: None, range: [group * period, (group + 1) * period] })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table of other names; to look at all rows for each row would take minutes.
+    #[test]
+    fn numbers_without_a_header_are_read_once() {
+        let mut reader = Reader::default();
+        for number in 0..200_000 {
+            reader.push_cells(number, vec!["1".into(), "2".into()]).unwrap();
+        }
+        assert!(reader.pending.len() <= MOST_IN_HEAD);
+        reader.push_cells(200_000, vec!["Force [N]".into(), "Displacement [mm]".into()]).unwrap();
+        reader.push_cells(200_001, vec!["1".into(), "2".into()]).unwrap();
+        assert_eq!(reader.finish(None).unwrap().specimens.len(), 1);
+    }
 }

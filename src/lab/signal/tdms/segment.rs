@@ -1,6 +1,7 @@
 //! Segments: what each holds, and how its data are divided among its channels, in chunks of one channel after the other,
 //! in rows of one value a channel, or in the buffers of DAQmx.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::rc::Rc;
@@ -159,6 +160,8 @@ pub struct Chunks {
     is_uneven: bool,
     /// Why no data can be divided so.
     fault: Option<&'static str>,
+    /// Bytes of the last chunk that was cut, and those before each member in it.
+    shares: RefCell<(u64, Vec<u64>)>,
 }
 
 /// A segment with data: where it is, and how its values follow each other.
@@ -312,7 +315,7 @@ impl Chunks {
     /// segment does, the same share of each channel.
     fn cut(&self, segment: &Span, members: &[Member], place: usize, width: u64, rest: u64) -> Run {
         let count = |index: &Index| index.count;
-        if self.has_texts {
+        if self.has_texts || rest == 0 {
             return Run { at: 0, count: 0, stride: width };
         }
         let at = self.before[place];
@@ -320,10 +323,19 @@ impl Chunks {
             let most = members[place].1.as_deref().map_or(0, count);
             return Run { at, count: most.min(rest.saturating_sub(at) / width), stride: width };
         }
-        let share = |index: &Index| (u128::from(index.count) * u128::from(rest) / u128::from(self.size)) as u64;
-        let shares = members[..place].iter().filter_map(|(_, index)| index.as_deref());
-        let at = shares.map(|index| share(index) * index.kind.width().unwrap_or(0) as u64).sum();
-        Run { at, count: members[place].1.as_deref().map_or(0, share), stride: width }
+        let share = |(_, index): &Member| {
+            let count = index.as_deref().map_or(0, count);
+            (u128::from(count) * u128::from(rest) / u128::from(self.size)) as u64
+        };
+        let mut shares = self.shares.borrow_mut();
+        if shares.0 != rest {
+            let width = |(_, index): &Member| index.as_ref().and_then(|index| index.kind.width()).unwrap_or(0) as u64;
+            let before = members.iter().scan(0, |at: &mut u64, member| {
+                Some(std::mem::replace(at, at.saturating_add(share(member).saturating_mul(width(member)))))
+            });
+            *shares = (rest, before.collect());
+        }
+        Run { at: shares.1[place], count: share(&members[place]), stride: width }
     }
 
     /// The values of a scaler of DAQmx in a whole chunk, and in one of `rest` bytes.
@@ -342,5 +354,31 @@ impl Chunks {
         let run = Run { at, count: index.count, stride: width };
         let rows = rest.saturating_sub(before) / width.max(1);
         (run, Run { count: index.count.min(rows), ..run })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::tdms::value::Kind;
+
+    /// To sum all members before each of them would take minutes.
+    #[test]
+    fn each_of_many_members_has_its_share_of_a_chunk_that_is_cut() {
+        let index = |count: u64| Some(Rc::new(Index { kind: Kind::Timestamp, count, bytes: 16 * count, daqmx: None }));
+        let members: Vec<Member> = (0..200_000).map(|place| (place, index(2 + place as u64 % 2 * 2))).collect();
+        let chunks = Chunks::from_members(&members);
+        assert_eq!(chunks.size, 9_600_000);
+        for (rest, counts) in [(4_800_000, [1, 2]), (0, [0, 0]), (2_400_000, [0, 1])] {
+            let end = 100 + chunks.size + rest;
+            let span = Span { at: 0, data: 100, end, is_big: false, is_interleaved: false, is_truncated: false };
+            for place in 0..members.len() {
+                let last = chunks.runs(&span, &members, place, None).unwrap().last;
+                let [even, odd] = counts;
+                let before = place as u64 / 2 * (even + odd) + place as u64 % 2 * even;
+                let at = if rest == 0 { last.at } else { 100 + chunks.size + 16 * before };
+                assert_eq!(last, Run { at, count: counts[place % 2], stride: 16 }, "{rest}, {place}");
+            }
+        }
     }
 }
