@@ -11,7 +11,7 @@ use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
 use lab::signal::column::{self, Column};
 use membrane::engine::{self, ContactState, ElementStrain, FilmContactState, TooWide, View};
-use membrane::material::{Hardening, Law};
+use membrane::material::{Curve, Hardening, Law};
 
 /// What a run ends with besides its outcome.
 pub(super) struct End {
@@ -368,6 +368,15 @@ impl Monitor {
         let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
         let (broke, share) = (rupture_time.is_some(), if is_drop { share_of_break(outcome, model) } else { 0.0 });
         out.extend((share > bounds::OF_BREAK).then_some(Warning::BreakStrainOfCoupons { broke, share }));
+        let shear_ends = model.faces.iter().map(|face| match &face.material.law {
+            Law::Fabric(fabric) => end_of_shear(fabric.shear()),
+            Law::RateFabric(fabric) => end_of_shear(fabric.shear()),
+            _ => f64::INFINITY,
+        });
+        out.extend(shear_ends.enumerate().filter_map(|(place, end)| {
+            let angle = largest_shear_angle(&outcome.snapshots, place);
+            (angle > end * (1.0 + 1e-6)).then_some(Warning::ShearExceeded { face: place + 1, angle, end })
+        }));
         let plastic = largest_plastic_strains(&outcome.snapshots, model.faces.len());
         let yielded = plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
             let Law::Plastic(law) = &face.material.law else { return None };
@@ -421,6 +430,22 @@ fn share_of_break(outcome: &Outcome, model: &Model) -> f64 {
     let largest =
         |column: Column| outcome.signals.channel(column.name).into_iter().flatten().copied().fold(0.0, f64::max);
     f64::max(largest(column::MAX_STRAIN_MD) / least(0), largest(column::MAX_STRAIN_TD) / least(1))
+}
+
+/// Shear angle at which a curve ends, rad; one straight piece is a modulus, and ends nowhere.
+fn end_of_shear(curve: &Curve) -> f64 {
+    if curve.points().len() > 1 { curve.end() } else { f64::INFINITY }
+}
+
+/// Largest shear angle of the face at this place in `snapshots`, rad, of elements that are not broken: others carry no shear.
+fn largest_shear_angle(snapshots: &[Snapshot], face: usize) -> f64 {
+    let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
+    let angles = states.flat_map(|state| {
+        let has_failed = |element: usize| state.failed.get(element).is_some_and(|failed| *failed);
+        let elements = state.strains.iter().enumerate().filter(move |(element, _)| !has_failed(*element));
+        elements.map(|(_, [_, _, angle])| f64::from(angle.abs()))
+    });
+    angles.fold(0.0, f64::max)
 }
 
 /// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
@@ -500,6 +525,18 @@ mod tests {
         let film = [strained([0.1, 0.1, 0.0], 1.0), strained([0.1, 0.0, 0.0], 3.0), strained([0.5, 0.5, 0.0], 0.0)];
         assert!((biaxial_share(&film) - 0.25).abs() < 1e-12);
         assert_eq!(biaxial_share(&[]), 0.0);
+    }
+
+    #[test]
+    fn broken_elements_are_not_sheared() {
+        let film = |angle: f32| FilmState {
+            strains: vec![[0.1, 0.0, 0.9], [0.0, 0.1, angle]],
+            failed: vec![true, false],
+            ..FilmState::default()
+        };
+        let snapshot = |angle| Snapshot { time: 0.0, films: vec![film(angle)], impactors: vec![] };
+        let largest = largest_shear_angle(&[snapshot(0.25), snapshot(-0.5), snapshot(0.125)], 0);
+        assert_eq!((largest, largest_shear_angle(&[snapshot(0.25)], 1)), (0.5, 0.0));
     }
 
     #[test]

@@ -395,6 +395,17 @@ findings! {
                 (`specimen.material.fabric.md.break_factor`) from drops that held or broke and from failure masses";
             message "the film {} its coupons' break strain; two films that were measured under darts broke at 20 to 60 % of theirs",
                 if *broke { "broke at".into() } else { format!("came to {} % of", percent(share)) };
+        ShearExceeded {
+            face: usize, "number of the face, from one" => "face";
+            angle: f64, "largest shear angle, rad" => "shear_angle_rad";
+            end: f64, "shear angle at the end of the curve, rad" => "curve_end_rad";
+        } = "shear-exceeded", Warning;
+            meaning "film that is not broken sheared beyond the last point of its shear curve, from which on the curve goes on with its \
+                last slope: there stress is a guess";
+            remedy "measure the shear curve up to the angle of the test (`specimen.material.fabric.shear`); where coupons at 45° \
+                cannot give it, use another law";
+            message "face {face} sheared by up to {} rad, its shear curve ends at {}",
+                number::significant(*angle, 3), number::significant(*end, 3);
         HardeningExceeded {
             face: usize, "number of the face, from one" => "face";
             strain: f64, "largest equivalent plastic strain" => "plastic_strain";
