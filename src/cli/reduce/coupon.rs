@@ -19,6 +19,7 @@ use base::units::{Density, Length, Velocity};
 use lab::Error;
 use lab::error::Kind;
 use lab::experiment::Warning;
+use lab::experiment::coupon;
 use lab::experiment::coupon::average::SampleStatistics;
 use lab::experiment::coupon::{
     BREAK_SHARE, Coupon, CouponReader, CouponTest, CurveEnd, Dimensions, Direction, DirectionMeans, Label, Reduction,
@@ -45,13 +46,14 @@ pub(crate) struct CouponArgs {
     /// Direction of all coupons, in place of what the files state: MD, TD, D3, D4 or an angle such as 15deg
     #[arg(long)]
     pub direction: Option<Direction>,
-    /// Strains between which the modulus is fitted, whose line --toe takes
+    /// Strains between which the modulus is fitted
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values_t = WINDOW, value_parser = number)]
     pub window: Vec<f64>,
     /// Share of the largest force below which a coupon is broken
     #[arg(long, value_name = "SHARE", default_value_t = BREAK_SHARE, value_parser = number)]
     pub break_share: f64,
-    /// Count strain from where the elastic line meets zero stress (ASTM D882), not from the recording's zero
+    /// Count strain from where the line of the steepest part meets zero stress (ISO 527-1, ASTM D882), not from the recording's
+    /// zero: removes slack
     #[arg(long)]
     pub toe: bool,
     /// Name of the channel of force; of an export also what machines call it
@@ -101,12 +103,26 @@ pub(crate) struct Reduced {
 
 pub(crate) fn run(args: &ReduceCouponArgs, shared: &Shared) -> Result<(), Failure> {
     let reduced = reduced(&args.coupons, args.velocity)?;
-    let texts = texts(args, &reduced)?;
-    output::write_sealed(&texts)?;
-    let written: Vec<String> = texts.iter().map(|(path, _)| shown_path(path)).collect();
-    let warnings = findings(&reduced, args.density.is_none(), !written.is_empty());
+    let target = args.out.as_deref().map(|path| Target::new(path, args.shear.as_deref())).transpose()?;
+    // The figures stand without the material, too.
+    let outcome = target.map_or_else(|| Ok(Default::default()), |target| written(args, &reduced, &target));
+    let (paths, doubt) = outcome.as_ref().map_or_else(|_| Default::default(), Clone::clone);
+    let mut warnings = findings(&reduced, args.density.is_none(), !paths.is_empty());
+    warnings.extend(doubt);
     let findings: Vec<Finding> = warnings.iter().map(Finding::new).collect();
-    print_results(shared, figures(&reduced, &warnings), &findings, &written, || text(&reduced))
+    print_results(shared, figures(&reduced, &warnings), &findings, &paths, || text(&reduced))?;
+    outcome.map(drop)
+}
+
+/// Writes the material: the names of its files, and the doubt about it.
+fn written(
+    args: &ReduceCouponArgs,
+    reduced: &Reduced,
+    target: &Target,
+) -> Result<(Vec<String>, Option<Warning>), Failure> {
+    let (texts, doubt) = texts(args, reduced, target)?;
+    output::write_sealed(&texts)?;
+    Ok((texts.iter().map(|(path, _)| shown_path(path)).collect(), doubt))
 }
 
 /// The recordings that arguments name, reduced, with this speed in place of what they state.
@@ -175,15 +191,30 @@ fn reader(args: &CouponArgs, velocity: Option<f64>) -> Result<CouponReader, Diag
 /// Largest shear curve that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// The files to write and their texts; none where no file is asked for.
-fn texts(args: &ReduceCouponArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, String)>, Failure> {
-    let Some(path) = &args.out else {
-        return Ok(Vec::new());
-    };
-    check_folder(path)?;
-    let places = places(path)?;
-    let given = args.shear.as_deref().map(|file| given(file, &places)).transpose()?;
-    let [material, shear] = places;
+/// Where a material goes, and the text of the shear curve that is given for it.
+struct Target {
+    /// The material and its shear curve.
+    places: [PathBuf; 2],
+    given: Option<String>,
+}
+
+impl Target {
+    /// Refuses files that cannot be written or read.
+    fn new(path: &Path, shear: Option<&Path>) -> Result<Target, Failure> {
+        check_folder(path)?;
+        let places = places(path)?;
+        let given = shear.map(|file| given(file, &places)).transpose()?;
+        Ok(Target { places, given })
+    }
+}
+
+/// The files to write and their texts, with the doubt about them.
+fn texts(
+    args: &ReduceCouponArgs,
+    reduced: &Reduced,
+    Target { places, given }: &Target,
+) -> Result<(Vec<(PathBuf, String)>, Option<Warning>), Failure> {
+    let [material, shear] = places.clone();
     let source = args.shear.as_deref().map(shown_path).unwrap_or_default();
     let shear_file = file_name(&shear);
     let written = CouponMaterial {
@@ -197,7 +228,7 @@ fn texts(args: &ReduceCouponArgs, reduced: &Reduced) -> Result<Vec<(PathBuf, Str
     };
     let texts = written.texts().map_err(|error| fault(&error))?;
     check(&written, args.shear.as_deref())?;
-    Ok(vec![(shear, texts.shear), (material, texts.material)])
+    Ok((vec![(shear, texts.shear), (material, texts.material)], texts.doubt))
 }
 
 fn fault(error: &Error) -> Diagnostic {
@@ -439,7 +470,7 @@ fn warnings(reduced: &Reduced) -> Vec<Warning> {
     let speeds = stated_otherwise(tests);
     let doubts =
         speeds.into_iter().chain(under_load).chain(merged).chain(replaced).chain(differ).chain(held).chain(no_yield);
-    doubts.chain(speeds_not_measured(reduced)).collect()
+    doubts.chain(coupon::doubts(tests)).chain(speeds_not_measured(reduced)).collect()
 }
 
 /// Speeds of names or headers that time and travel contradict.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::absorption::AbsorptionError;
-use super::coupon::Direction;
+use super::coupon::{Direction, Slack};
 use crate::Error;
 use crate::signal::FILTERED_BEFORE;
 use base::diagnostic::shown_path;
@@ -74,6 +74,16 @@ findings! {
             meaning "the fall explains the stated height and the onset of the force, but not the laser, which is not used";
             remedy "check the scale of the laser, its unit and its place";
             message "the impactor reaches {reached:.3} m/s at contact by the fall, {laser:.3} m/s with the laser, which is not used";
+        LaserContactDiffers {
+            laser: f64, "time of contact with the laser, s" => "laser_s";
+            force: f64, "as release, height and onset of the force show it without the laser, s" => "force_s";
+        } = "laser-contact-differs", Warning;
+            meaning "release, height and the onset of the force show another time of contact than the laser, by more than their errors; \
+                intervals hold both";
+            remedy "check the zero of the laser, which counts from the film's upper face, and the height; `--without-laser` leaves it \
+                out";
+            message "the force sets in {:.1} ms {} the contact that the laser shows, at {laser:.4} s: intervals hold both",
+                1e3 * (laser - force).abs(), if force < laser { "before" } else { "after" };
         GuideFrictionChanges {
             friction: [f64; 2], "at the release and at contact, N"
                 => "friction_at_release_N" = friction[0], "friction_at_contact_N" = friction[1];
@@ -117,11 +127,11 @@ findings! {
             duration: f64, "time for which it stays, s" => "duration_s";
             peak: f64, "largest filtered acceleration of the clipped signal, m/s²: the true one is not smaller"
                 => "peak_acceleration_at_least_m_s2";
-            deepest: f64, "smallest displacement of the clipped signal, m: the true one is not deeper"
+            deepest: f64, "where the clipped signal first stops to descend, m: the true lowest point is not deeper; none where it does not"
                 => "peak_displacement_at_least_m";
         } = "saturated-accelerometer", Warning;
             meaning "the accelerometer stays at its largest reading, which may be the end of its range; figures that \
-                rest on these samples are withheld, peak and displacement are bounds";
+                rest on these samples are withheld, the peak is a bound, and so is the displacement where the impactor turns";
             remedy "use a larger range; contact and impact speed hold, since they precede the samples";
             message "the accelerometer reads {reading:.1} m/s² for {:.1} ms from {start:.4} s on, which may be the end \
                 of its range: figures that rest on it are withheld",
@@ -155,6 +165,49 @@ findings! {
             meaning "a coupon was still under load at the end of its recording, which counts as its break";
             remedy "record until the coupon breaks; strength and elongation may be too small";
             message "the record ends under load, and its end counts as the break: {}", shown(paths).join("; ");
+        SlackAtStart {
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
+            slack: Vec<Slack>, "what is slack, and the modulus without it"
+                => "slack_strain" = slack.iter().map(|slack| slack.strain).collect::<Vec<_>>(),
+                "young_modulus_without_Pa" = slack.iter().map(|slack| slack.modulus).collect::<Vec<_>>();
+            moduli: Vec<f64>, "with it, Pa" => "young_modulus_Pa";
+        } = "slack-at-start", Warning;
+            meaning "a coupon hangs slack, or seats itself in the jaws, before it is strained: its curve begins much less steep than it \
+                goes on, so that modulus, yield points and break elongation are wrong";
+            remedy "give `--toe`, which counts strain from where the line of the steepest part meets zero stress (ISO 527-1, ASTM \
+                D882)";
+            message "{} {} slack at the start: the modulus is {} MPa, with --toe {} MPa", shown(paths).join("; "),
+                if paths.len() == 1 { "has" } else { "have" }, megapascals(moduli.iter().copied()),
+                megapascals(slack.iter().map(|slack| slack.modulus));
+        SaturatedLoadCell {
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
+            forces: Vec<f64>, "the largest ones, N" => "force_N";
+        } = "saturated-load-cell", Warning;
+            meaning "the force of a coupon rises, and then stays exactly at its largest value: it may be the end of the load cell's \
+                range, so that strength, stress at the break and yield points are too low";
+            remedy "pull again with a larger load cell, or leave the recording out";
+            message "the force stays at its largest value, {} N, which may be the end of the load cell's range: {}",
+                listed(forces, 4), shown(paths).join("; ");
+        ForceAfterBreak {
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
+            forces: Vec<f64>, "what is left, N" => "force_N";
+        } = "force-after-break", Warning;
+            meaning "a force stays after a coupon broke: the zero of the load cell is off, and all stresses with it, or the coupon did \
+                not break whole";
+            remedy "subtract the force from the recording where it is the zero; else measure again";
+            message "{} N stay after the break, so that the zero of the load cell may be off: {}",
+                listed(forces, 3), shown(paths).join("; ");
+        ImplausibleCoupon {
+            paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
+            what: &'static str, "the figure" => "what";
+            unit: &'static str, "of the figures" => "unit";
+            found: Vec<f64>, "the figures" => "found";
+            likely: [f64; 2], "what films have" => "likely";
+        } = "implausible-coupon", Warning;
+            meaning "thickness, Young's modulus or strength of a coupon are none that films have: a dimension or a unit is wrong";
+            remedy "check `--thickness`, `--width`, `--gauge` and the units of the channels";
+            message "the {what} of {} is {} {unit}, films have {} to {} {unit}", shown(paths).join("; "), listed(found, 2),
+                significant(likely[0], 4), significant(likely[1], 4);
         SpeedStatedOtherwise {
             paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
             stated: Vec<f64>, "by names or headers, m/s" => "stated_m_s";
@@ -195,6 +248,22 @@ findings! {
             meaning "the mean curve of a direction has no double yield point, so the material takes the curve itself";
             remedy "nothing, or choose another window for the modulus";
             message "{direction}: {reason}";
+        ShearCurveEnds {
+            angle: f64, "last one of the curve, rad" => "angle_rad";
+            strain: f64, "of the coupons there" => "strain";
+            reached: f64, "strain of the coupons' mean curve at its end" => "strain_reached";
+            off: [f64; 2], "strain at which the law is furthest off the coupons' mean curve, and by which share of the stress"
+                => "strain_of_largest_error" = off[0], "largest_error" = off[1];
+        } = "shear-curve-ends", Warning;
+            meaning "the shear curve from the coupons of D3 ends at a small part of the strain that they reached, since the fabric of \
+                their fibres cannot follow them further; beyond its end the curve goes on with its last slope, and film of the \
+                material does not follow its own coupons at 45°";
+            remedy "fit a law to the coupons by `calibrate` (an isotropic or plastic one for film alike in all directions), give a \
+                shear curve by `--shear`, or use the material up to this strain alone";
+            message "the shear curve ends at {} rad, a strain of {} of the coupons of D3, which reached {}; beyond, film of this \
+                material is up to {:+.0} % off their stress (at a strain of {})",
+                significant(*angle, 3), significant(*strain, 2), significant(*reached, 3), 100.0 * off[1],
+                significant(off[0], 2);
         DirectionsNotUsed {
             directions: Vec<Direction>, "of the film" => "directions" = directions.iter().map(Direction::to_string).collect::<Vec<_>>();
         } = "directions-not-used", Warning;
@@ -305,9 +374,19 @@ fn shown(paths: &[PathBuf]) -> Vec<String> {
 
 /// Speeds, each once.
 fn speeds(speeds: &[f64]) -> String {
-    let mut words: Vec<String> = speeds.iter().map(|speed| significant(*speed, 3)).collect();
+    listed(speeds, 3)
+}
+
+/// Values with so many digits; of equal neighbours one.
+fn listed(values: &[f64], digits: usize) -> String {
+    let mut words: Vec<String> = values.iter().map(|value| significant(*value, digits)).collect();
     words.dedup();
     words.join(", ")
+}
+
+/// Stresses (Pa) in MPa.
+fn megapascals(stresses: impl Iterator<Item = f64>) -> String {
+    stresses.map(|stress| format!("{:.1}", 1e-6 * stress)).collect::<Vec<_>>().join(", ")
 }
 
 fn bridged(count: usize) -> String {

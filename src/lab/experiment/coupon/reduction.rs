@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::average::{SampleStatistics, mean_curve};
 use super::label::{Direction, is_same_speed};
 use super::recording::not_positive;
-use super::{BREAK_SHARE, Curve, Modulus, Rupture, WINDOW, YieldPoints, yield_points};
+use super::{BREAK_SHARE, Curve, Modulus, Rupture, Slack, WINDOW, YieldPoints, yield_points};
 use crate::error::{Error, refusal};
 use base::number::significant;
 
@@ -16,9 +16,8 @@ pub struct Rules {
     pub window: [f64; 2],
     /// Share of the largest force below which a coupon is broken.
     pub break_share: f64,
-    /// Whether strain is counted from where the elastic line meets zero stress (ASTM D882), not from the recording's
-    /// zero. The line is then sought in the window of the recorded strain, and everything else read from the shifted
-    /// curve.
+    /// Whether strain is counted from where the line of the steepest part meets zero stress (ISO 527-1, ASTM D882), not from
+    /// the recording's zero; everything is then read from the shifted curve.
     pub toe_compensation: bool,
 }
 
@@ -41,6 +40,12 @@ pub struct Sample {
     pub rupture: Rupture,
     /// Up to the break.
     pub curve: Curve,
+    /// Slack at its start, where it counts and is not compensated.
+    pub slack: Option<Slack>,
+    /// The largest stress, Pa, where it may be the end of the load cell's range.
+    pub saturated: Option<f64>,
+    /// Stress that stays after the break, Pa.
+    pub after_break: Option<f64>,
     /// Whether its file marks the recording as virtual.
     pub is_virtual: bool,
 }
@@ -51,16 +56,20 @@ impl Sample {
         if !(velocity.is_finite() && velocity > 0.0) {
             return Err(not_positive(velocity));
         }
-        let line = curve.modulus(rules.window)?;
         let curve = &match rules.toe_compensation {
-            true => curve.toe_compensated(line.slope, line.intercept),
+            true => {
+                let line = curve.steepest(rules.window).map_or_else(|| curve.modulus(rules.window), Ok)?;
+                curve.toe_compensated(line.slope, line.intercept)
+            }
             false => curve.clone(),
         };
         let (modulus, rupture) = (curve.modulus(rules.window)?, curve.rupture(rules.break_share)?);
+        let slack = if rules.toe_compensation { None } else { curve.slack(rules.window, &modulus) };
+        let (saturated, after_break) = (curve.saturated(), curve.after_break(&rupture));
         let whole = curve.within([f64::NEG_INFINITY, rupture.strain]);
         let curve = whole
             .ok_or_else(|| refusal!("the coupon broke at the strain {}, before its second sample", rupture.strain))?;
-        Ok(Sample { direction, velocity, modulus, rupture, curve, is_virtual: false })
+        Ok(Sample { direction, velocity, modulus, rupture, curve, slack, saturated, after_break, is_virtual: false })
     }
 }
 

@@ -104,6 +104,27 @@ impl ShearMethod {
     pub const ALL: [ShearMethod; 3] = [ShearMethod::Free, ShearMethod::Held, ShearMethod::Rhombus];
 }
 
+impl ShearMethod {
+    /// Shear angle and stress of a coupon at 45° with these fibres at an engineering strain and a stress (Pa).
+    fn state(self, fibres: &Fibres<'_>, [strain, stress]: [f64; 2]) -> Option<[f64; 2]> {
+        match self {
+            ShearMethod::Free => fibres.free(strain, stress),
+            ShearMethod::Held => fibres.held(strain, stress),
+            // Equations 5 to 7 of a square of unit area.
+            ShearMethod::Rhombus => {
+                let square = Square { side: 1.0, thickness: 1.0 };
+                square.state(SQRT_2 * stress, SQRT_2 * strain)
+            }
+        }
+    }
+
+    /// Strain at which a `curve` that was recorded at 45° comes to the shear `angle`; none where it does not.
+    pub fn strain_at(self, curve: &Curve, fibres: &Fibres<'_>, angle: f64) -> Option<f64> {
+        let reaches = |sample: &[f64; 2]| self.state(fibres, *sample).is_some_and(|[found, _]| found >= angle);
+        curve.samples().find(reaches).map(|[strain, _]| strain)
+    }
+}
+
 impl FromStr for ShearMethod {
     type Err = Error;
 
@@ -168,6 +189,34 @@ impl Fibres<'_> {
     }
 }
 
+impl Fibres<'_> {
+    /// Nominal stress (Pa) along a coupon at 45° of these fibres and a `shear` curve at the engineering `strain`, by equation 180:
+    /// of one whose sides are free, or whose width `is_held`. None past the break of the fibres, or where they nearly coincide.
+    pub fn coupon_stress(&self, shear: &material::Curve, strain: f64, is_held: bool) -> Option<f64> {
+        let along = 1.0 + strain;
+        // Stretch and stress of the fibres, sine of the shear angle and shear stress at the width.
+        let state = |across: f64| {
+            let squared = 0.5 * (along * along + across * across);
+            let (fibre, sine) = (squared.sqrt(), 0.5 * (along * along - across * across) / squared);
+            (fibre, self.stress(fibre - 1.0), sine, shear.stress(sine.abs().min(1.0).asin()).copysign(sine))
+        };
+        let [mut narrow, mut wide] = [0.0, along];
+        for _ in 0..HALVINGS {
+            let across = 0.5 * (narrow + wide);
+            let (fibre, stress, _, tau) = state(across);
+            if 0.5 * stress * across / fibre > tau * along / (fibre * fibre) {
+                wide = across;
+            } else {
+                narrow = across;
+            }
+        }
+        let across = if is_held { 1.0 } else { wide };
+        let (fibre, stress, sine, tau) = state(across);
+        let is_whole = fibre - 1.0 <= self.end() && sine.abs() <= LARGEST_SINE;
+        is_whole.then(|| 0.5 * stress * along / fibre + tau * across / (fibre * fibre))
+    }
+}
+
 fn sheared(sine: f64, stress: f64) -> Option<[f64; 2]> {
     (sine.abs() <= LARGEST_SINE).then(|| [sine.asin(), stress])
 }
@@ -179,12 +228,10 @@ impl Coupon {
     /// # Errors
     /// Samples that make no [`Curve`].
     pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, Error> {
-        let state = match method {
-            ShearMethod::Rhombus => return self.shear(curve),
-            ShearMethod::Free => Fibres::free,
-            ShearMethod::Held => Fibres::held,
-        };
-        let states = curve.samples().map_while(|[strain, stress]| state(&fibres, strain, stress));
+        if method == ShearMethod::Rhombus {
+            return self.shear(curve);
+        }
+        let states = curve.samples().map_while(|sample| method.state(&fibres, sample));
         let (mut angle, mut stress): (Vec<f64>, Vec<f64>) = states.map(|[angle, stress]| (angle, stress)).unzip();
         // Fibres that yield may stretch faster than the coupon, whose angle then falls by more than its jitter.
         let jitter = JITTER * angle.iter().fold(0.0_f64, |most, angle| most.max(*angle));
@@ -285,6 +332,8 @@ mod tests {
                 let [found, shear] = found.unwrap();
                 assert!((found - angle(across)).abs() < 1e-5, "{along}: {found}");
                 assert!((shear / tau.stress(found) - 1.0).abs() < 1e-3, "{along}: {shear}");
+                let back = fibres.coupon_stress(&tau, along - 1.0, across == 1.0).unwrap();
+                assert!((back / stress - 1.0).abs() < 1e-4, "{along}: {back} for {stress}");
             }
         }
     }

@@ -232,14 +232,14 @@ impl Curve {
             return Ok(modulus);
         }
         Err(refusal!("stress does not rise between the strains {from} and {to}").with_hint(
-            "force and displacement count above zero in tension: change the sign of a channel that falls, or give other \
-             strains by --window",
+            "force and displacement count above zero in tension: change the sign of a channel that falls, give other \
+             strains by --window, or leave out slack at the start by --toe",
         ))
     }
 }
 
 /// The line through `points`; none where they lie at one abscissa.
-fn line(points: &[[f64; 2]]) -> Option<Modulus> {
+pub(super) fn line(points: &[[f64; 2]]) -> Option<Modulus> {
     let [start, end] = [points.first()?[0], points.last()?[0]];
     let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
     // Strain from the middle in halves of the interval: columns of one magnitude.

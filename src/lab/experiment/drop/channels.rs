@@ -303,11 +303,11 @@ fn width(pulse: &Series, [first, last]: [usize; 2], level: f64) -> f64 {
     time[after - 1] - time[before]
 }
 
-/// The smallest distance of two of the `values`, beyond their rounding: one step of the converter, m/s².
+/// The smallest distance of two of the `values`, beyond their rounding: one step of the converter.
 ///
 /// The top of a pulse is a parabola whose width grows with the root of the depth below it, so that a step q holds a
 /// reading of level L, of width w at L/2, for w √(2q/L).
-fn quantum(values: &[f64]) -> f64 {
+pub(crate) fn quantum(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let rounding = ROUNDING * sorted.last().zip(sorted.first()).map_or(0.0, |(most, least)| most - least);

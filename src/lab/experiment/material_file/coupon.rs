@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use crate::error::{Error, refusal};
+use crate::experiment::Warning;
 use crate::experiment::coupon::average::SampleStatistics;
 use crate::experiment::coupon::shear::Shear;
-use crate::experiment::coupon::{Coupon, Direction, DirectionMeans, Fibres, Reduction, ShearMethod, too_short};
+use crate::experiment::coupon::{Coupon, Curve, Direction, DirectionMeans, Fibres, Reduction, ShearMethod, too_short};
 use crate::signal::Annotations;
 use base::number::{rounded, significant};
 use membrane::material;
@@ -58,12 +59,14 @@ pub struct GivenShear<'a> {
 }
 
 /// A material file and the shear curve's file beside it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texts {
     /// The material file.
     pub material: String,
     /// The file of the shear curve.
     pub shear: String,
+    /// The doubt whether film of this material follows the coupons that the shear curve is from.
+    pub doubt: Option<Warning>,
 }
 
 /// The refusal of a curve whose stress (Pa) falls between two points.
@@ -83,8 +86,11 @@ impl CouponMaterial<'_> {
     pub fn texts(&self) -> Result<Texts, Error> {
         let (md, td) = (self.along(Direction::Md)?, self.along(Direction::Td)?);
         let ((md_fibre, md_curve), (td_fibre, td_curve)) = (self.fibre(md)?, self.fibre(td)?);
-        let (shear, remark) = match &self.shear {
-            Some(given) => given.copy(),
+        let (shear, remark, doubt) = match &self.shear {
+            Some(given) => {
+                let (shear, remark) = given.copy();
+                (shear, remark, None)
+            }
             None => self.sheared(self.along(Direction::D3)?, Fibres { md: &md_curve, td: &td_curve })?,
         };
         let mut material = self.head();
@@ -104,7 +110,7 @@ impl CouponMaterial<'_> {
             thickness = significant(self.coupon.thickness() * 1e6, DIGITS),
             file = toml::Value::from(self.shear_file),
         );
-        Ok(Texts { material, shear })
+        Ok(Texts { material, shear, doubt })
     }
 
     fn along(&self, direction: Direction) -> Result<&DirectionMeans, Error> {
@@ -139,15 +145,16 @@ impl CouponMaterial<'_> {
         }
     }
 
-    /// The shear curve's file from D3, and the remark that belongs to it.
-    fn sheared(&self, skewed: &DirectionMeans, fibres: Fibres<'_>) -> Result<(String, String), Error> {
+    /// The shear curve's file from D3, the remark that belongs to it, and the doubt about it.
+    fn sheared(&self, skewed: &DirectionMeans, fibres: Fibres<'_>) -> Result<(String, String, Option<Warning>), Error> {
         let sheared =
             self.coupon.shear_by(self.shear_by, &skewed.curve, fibres).map_err(|error| error.about("shear"))?;
         let (end, why) = shear_end(&sheared, self.shear_by);
         let count = counted(skewed.recordings(), skewed.virtual_recordings);
         let mut file =
             format!("{MARK} of D3: {count}.\n# Shear angle (rad) and stress of the film.\nstrain,stress_MPa\n");
-        for [angle, stress] in &straight_pieces(&rising_shear(&sheared, end)?)[1..] {
+        let points = straight_pieces(&rising_shear(&sheared, end)?);
+        for [angle, stress] in &points[1..] {
             let _ = writeln!(file, "{},{}", significant(*angle, DIGITS), significant(stress * 1e-6, DIGITS));
         }
         let remark = format!(
@@ -156,7 +163,30 @@ impl CouponMaterial<'_> {
             described(self.shear_by),
             significant(end, DIGITS)
         );
-        Ok((file, remark))
+        let doubt = material::Curve::new(points).ok().and_then(|law| self.leaves_coupons(&skewed.curve, fibres, &law));
+        Ok((file, remark, doubt))
+    }
+}
+
+/// Share of the strain that the coupons of D3 reached up to which their shear curve ends early, where the law is then off their
+/// stress by more than the other share.
+const ENDS_EARLY: f64 = 0.5;
+const OFF: f64 = 0.1;
+
+impl CouponMaterial<'_> {
+    /// The report of a shear curve that ends far below the strain of the `measured` mean curve of D3, which film with these
+    /// fibres and the `shear` curve, continued, does not follow.
+    fn leaves_coupons(&self, measured: &Curve, fibres: Fibres<'_>, shear: &material::Curve) -> Option<Warning> {
+        let angle = shear.end();
+        let [_, reached] = measured.range();
+        let strain = self.shear_by.strain_at(measured, &fibres, angle)?;
+        let is_held = self.shear_by == ShearMethod::Held;
+        let off =
+            |[strain, stress]: [f64; 2]| Some([strain, fibres.coupon_stress(shear, strain, is_held)? / stress - 1.0]);
+        let beyond = measured.samples().filter(|sample| sample[0] > strain && sample[1] > 0.0);
+        let off = beyond.filter_map(off).max_by(|one, other| one[1].abs().total_cmp(&other[1].abs()))?;
+        let is_off = strain < ENDS_EARLY * reached && off[1].abs() > OFF;
+        is_off.then_some(Warning::ShearCurveEnds { angle, strain, reached, off })
     }
 }
 
@@ -216,8 +246,14 @@ fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, Error> {
     for [angle, stress] in samples() {
         let [last, before] = points[points.len() - 1];
         if stress < before - SHEAR_TOLERANCE * largest {
+            let angle = significant(angle, 3);
             return Err(refusal!(
-                "shear: stress falls at the angle {angle} rad: the curve of a material must not fall"
+                "the mean curve of the coupons of D3 gives a shear stress that falls at the angle {angle} rad: the curve of a \
+                 material must not fall"
+            )
+            .with_hint(
+                "slack at the start of coupons of any direction does that: --toe; else try --shear-by, other strains by --window, \
+                 or give a shear curve from elsewhere: --shear FILE",
             ));
         }
         if angle > last {
@@ -334,4 +370,81 @@ fn thinned(along: &DirectionMeans) -> Vec<[f64; 2]> {
         if i == CURVE_POINTS { end } else { start + (end - start) * (i as f64 / CURVE_POINTS as f64).powi(2) }
     };
     (1..=CURVE_POINTS).filter_map(|i| Some([place(i), along.curve.stress_at(place(i))?])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::coupon::{Rules, Sample};
+
+    /// The material of coupons with these curves, sampled evenly up to their ends, then broken.
+    fn texts(of: &[(Direction, &dyn Fn(f64) -> f64, f64)]) -> Result<Texts, Error> {
+        let sample = |(direction, stress, end): &(Direction, &dyn Fn(f64) -> f64, f64)| {
+            let mut strain: Vec<f64> = (0..=2000).map(|i| end * f64::from(i) / 2000.0).collect();
+            let mut stresses: Vec<f64> = strain.iter().map(|strain| stress(*strain)).collect();
+            strain.push(end + 0.01);
+            stresses.push(0.0);
+            let rules = Rules { window: [0.0, 0.02], ..Rules::default() };
+            Sample::new(*direction, 0.01, &Curve::new(strain, stresses).unwrap(), &rules).unwrap()
+        };
+        let samples: Vec<Sample> = of.iter().map(sample).collect();
+        let reduction = Reduction::from_samples(&samples, &Rules { window: [0.0, 0.02], ..Rules::default() })?;
+        let material = CouponMaterial {
+            reduction: &reduction,
+            coupon: Coupon::new(0.05, 0.015, 25e-6)?,
+            density: None,
+            shear_file: "shear.csv",
+            elastic_corner: None,
+            shear_by: ShearMethod::Free,
+            shear: None,
+        };
+        material.texts()
+    }
+
+    fn line(points: &[[f64; 2]], strain: f64) -> f64 {
+        let pair = points.windows(2).find(|pair| strain <= pair[1][0]).expect("a strain within the curve");
+        pair[0][1] + (pair[1][1] - pair[0][1]) * (strain - pair[0][0]) / (pair[1][0] - pair[0][0])
+    }
+
+    /// Polyethylene that is nearly alike in all directions yields at 45° as it does along MD, which two fibre sets cannot follow.
+    #[test]
+    fn a_shear_curve_that_ends_long_before_its_coupons_is_reported() {
+        let md = |strain: f64| line(&[[0.0, 0.0], [0.06, 9e6], [0.5, 14e6], [4.0, 35e6]], strain);
+        let td = |strain: f64| line(&[[0.0, 0.0], [0.06, 9.6e6], [0.5, 9.9e6], [6.0, 24e6]], strain);
+        let skewed = |strain: f64| line(&[[0.0, 0.0], [0.06, 8.7e6], [0.5, 10.5e6], [5.0, 27e6]], strain);
+        let written = texts(&[(Direction::Md, &md, 4.0), (Direction::Td, &td, 6.0), (Direction::D3, &skewed, 5.0)]);
+        let Some(Warning::ShearCurveEnds { strain, reached, off, .. }) = written.unwrap().doubt else {
+            panic!("no finding")
+        };
+        assert!((0.05..0.1).contains(&strain) && reached == 5.0 && off[1].abs() > 0.5, "{strain} {reached} {off:?}");
+    }
+
+    /// Fibres that hardly stretch with τ = G γ: sin γ = (1 + ε)² − 1 and σ = 2 τ/√(2 − (1 + ε)²).
+    #[test]
+    fn a_fabric_that_follows_its_coupons_is_not() {
+        let stiff = |strain: f64| 1e12 * strain;
+        let skewed = |strain: f64| {
+            let squared = (1.0 + strain) * (1.0 + strain);
+            2.0 * 1e6 * (squared - 1.0).asin() / (2.0 - squared).sqrt()
+        };
+        let written =
+            texts(&[(Direction::Md, &stiff, 0.5), (Direction::Td, &stiff, 0.5), (Direction::D3, &skewed, 0.3)]);
+        assert_eq!(written.unwrap().doubt, None);
+    }
+
+    #[test]
+    fn a_stress_that_falls_names_the_coupons_and_a_way_out() {
+        let md = |strain: f64| 100e6 * strain;
+        // It falls, then rises above.
+        let skewed = |strain: f64| line(&[[0.0, 0.0], [0.05, 3e6], [0.08, 1e6], [0.3, 9e6]], strain);
+        let refused = texts(&[(Direction::Md, &md, 1.0), (Direction::Td, &md, 1.0), (Direction::D3, &skewed, 0.3)]);
+        let refused = refused.unwrap_err();
+        let message = refused.message();
+        let angle = message.split_once("at the angle ").expect(message).1.split(' ').next().unwrap();
+        assert!(message.contains("coupons of D3") && angle.len() <= 8, "{message}");
+        assert!(
+            refused.hint().is_some_and(|hint| hint.contains("--toe") && hint.contains("--shear FILE")),
+            "{refused}"
+        );
+    }
 }
