@@ -53,18 +53,20 @@ pub fn film_absorption(
     absorption_of(&energy, displacement)
 }
 
-/// Share of the depth by which the impactor rises between two impacts.
+/// Share of the depth by which the impactor rises, and falls again, between two impacts.
 pub const RISES: f64 = 0.1;
 
-/// Number of samples of the first impact: all, or those up to the highest point before a later impact that is deeper.
+/// Number of samples of the first impact: all, or those up to the highest point from which the impactor falls again, to a later
+/// impact.
 pub fn first_impact(displacement: &[f64]) -> usize {
     let (mut lowest, mut top) = (0.0_f64, 0);
     for (i, d) in displacement.iter().enumerate() {
+        // Above the film it falls to its first impact.
+        let least = -RISES * lowest;
+        if least > 0.0 && displacement[top] - lowest > least && displacement[top] - d > least {
+            return top + 1;
+        }
         if *d < lowest {
-            // Above the film it falls to its first impact.
-            if lowest < 0.0 && displacement[top] - lowest > -RISES * lowest {
-                return top + 1;
-            }
             (lowest, top) = (*d, i);
         } else if *d > displacement[top] {
             top = i;
@@ -140,7 +142,7 @@ mod tests {
 
     /// The film that an impact has stretched lets the next one deeper.
     #[test]
-    fn a_deeper_second_impact_does_not_count() {
+    fn a_second_impact_does_not_count() {
         let ((v, d), (again_v, again_d)) = (bounce(4.0, 1.0), bounce(1.0, 0.5));
         let fall = (1..100).map(|i| 0.1 - 0.001 * f64::from(i));
         let first = d.len() + 1;
@@ -149,6 +151,13 @@ mod tests {
         let velocity: Vec<f64> = v.iter().copied().chain([-1.0; 99]).chain(again_v).collect();
         assert_eq!(first_impact(&displacement), first);
         assert_eq!(first_impact(&d), d.len());
+        // One as deep, and one that is less so.
+        for share in [1.0, 0.3] {
+            let fall = (1..100).map(|i| 0.1 - 0.001 * f64::from(i));
+            let again = again_d.iter().map(|d| share * d);
+            let displacement: Vec<f64> = d.iter().copied().chain(fall).chain(again).collect();
+            assert_eq!(first_impact(&displacement), first, "{share}");
+        }
         let from_above: Vec<f64> = [2e-3, 1e-3].into_iter().chain(d.iter().copied()).collect();
         assert_eq!(first_impact(&from_above), from_above.len());
         let body = Body { gravity: 0.0, ..BODY };

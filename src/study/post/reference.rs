@@ -9,7 +9,7 @@ use crate::Error;
 use lab::Error as LabError;
 use lab::dic::{Field, FieldOptions};
 use lab::experiment;
-use lab::experiment::absorption::Body;
+use lab::experiment::absorption::{Body, first_impact};
 use lab::experiment::drop::{ChannelNames, Class, Correction, DropChannels, Figures, Reduction, Tower};
 use lab::signal::column::{self, Column};
 use lab::signal::file::{self, ChannelSelection, ReadOptions};
@@ -54,7 +54,8 @@ pub struct ReferenceComparison {
 
 /// Why a file of other columns is reduced.
 const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_filtered_m_s2` or `displacement_m` and is \
-                   read as a raw recording, from the rest before the release on";
+                   read as a raw recording, from the rest before the release on; of one that begins with contact, `droptower signal \
+                   convert` writes such columns";
 
 /// Why a window that ends at the lowest point does not end.
 const NO_LOWEST_POINT: &str = "the recording has no lowest point: displacement has gaps, and acceleration does not bring the \
@@ -308,11 +309,12 @@ fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, Error> {
     filter::channel(&even, class, Standard::Iso6487).map_err(wrong)
 }
 
-/// Time of the lowest point of the recording: of the largest travel where it was measured throughout, else of the first
+/// Time of the lowest point of the recording: of the largest travel of the first impact where it was measured throughout, else of the first
 /// sample at which the integral of the acceleration has cancelled the impact velocity.
 fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
     if let Some(complete) = displacement.filter(|d| d.is_complete()) {
-        return complete.smallest().map(|[time, _]| time);
+        let of_first = complete.samples().take(first_impact(complete.values()));
+        return of_first.min_by(|a, b| a[1].total_cmp(&b[1])).map(|[time, _]| time);
     }
     let recorded = model.reference.as_ref().map_or(0, |reference| reference.impactor);
     let [_, _, velocity] = model.impactors.get(recorded)?.velocity;

@@ -256,9 +256,10 @@ pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<
         (
             "displacement",
             match (travel, bounds) {
-                (None, Some([_, deepest])) => {
-                    format!("{:.1} mm at the lowest (accelerometer at the end of its range)", 1e3 * deepest)
+                (None, Some([_, deepest])) if deepest.is_finite() => {
+                    format!("at most {:.1} mm down (accelerometer at the end of its range)", -1e3 * deepest)
                 }
+                (None, Some(_)) => withheld.into(),
                 (travel, _) => or_none(travel.map(|(d, t)| {
                     let interval = interval_of(figures.peak_displacement_interval_m, 1e3, 1);
                     format!("{:.1} mm{interval} at {:.1} ms", 1e3 * d, 1e3 * t)

@@ -320,8 +320,9 @@ impl Impact {
                 let faster = v + 0.5 * h * (a + a0);
                 z += 0.5 * h * (v + faster);
                 v = faster;
-                // The next impact, deeper than this one: what was seen up to the highest point between them counts.
-                if z < found.travel && top.0 - found.travel > -RISES * found.travel {
+                // To the next impact: what was seen up to the highest point between them counts.
+                let least = -RISES * found.travel;
+                if least > 0.0 && top.0 - found.travel > least && top.0 - z > least {
                     (unloading, found) = (top.1, top.2);
                     break;
                 }

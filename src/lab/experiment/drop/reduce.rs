@@ -33,6 +33,9 @@ const OFF_ONSET: f64 = 0.1;
 /// Sum of squares, over the colour, and share of the value by which what is known contradicts the recording.
 const CONTRADICTS: f64 = 25.0;
 const DIFFERS: f64 = 0.01;
+/// Time (s) and standard deviations by which the contact with the laser is another one than that without it.
+const CONTACT_APART: f64 = 3e-4;
+const CONTACT_DEVIATIONS: f64 = 3.0;
 /// Excess over the speed of the free fall below which it is none: standard gravity is right to 0.3 %, half of it in the speed.
 const LEAST_EXCESS: f64 = 1e-3;
 /// Friction over the weight and its deviation where the recording alone is to tell it.
@@ -53,7 +56,8 @@ pub fn reduce(
         let step = significant(step, 6);
         return Err(refusal!(
             "acceleration: its samples are {step} s apart, too far for an impact; are the times in milliseconds?"
-        ));
+        )
+        .with_hint("name all columns with their units: --columns \"time [ms],accel [g]\""));
     }
     let (class, of_rate) = class(reduction.class, step)?;
     let explained = Explained::find(&reading, step, laser, tower, reduction)?;
@@ -117,6 +121,8 @@ pub(super) struct Explained {
     pub known: Known,
     pub recorded: Recorded,
     pub fit: Fit,
+    /// The recording without its laser and the fit of that, where the contact is another one.
+    blind: Option<(Recorded, Fit)>,
     disagreement: Option<Warning>,
 }
 
@@ -131,7 +137,8 @@ impl Explained {
     ) -> Result<Explained, Error> {
         let recorded = Recorded::find(reading, laser, tower.body.gravity)?;
         let known = Known::new(tower, reduction, step);
-        let explained = explain(recorded, known, tower, laser.is_some())?;
+        let mut explained = explain(recorded, known, tower, laser.is_some())?;
+        explained.compare_laser(tower.body.gravity);
         let Explained { known, recorded, fit, .. } = &explained;
         let model = recorded.model(known, tower.body.gravity);
         let [contact, _] = model.contact(&fit.best);
@@ -153,6 +160,26 @@ impl Explained {
         }
         Ok(explained)
     }
+
+    /// Finds the contact without the laser, and keeps that where both differ by more than their errors.
+    fn compare_laser(&mut self, gravity: f64) {
+        let Explained { known, recorded, fit, .. } = &*self;
+        let is_known = known.height.is_some() || known.speed.is_some() || known.contact_time.is_some();
+        if !(recorded.has_laser() && is_known) {
+            return;
+        }
+        let blind = recorded.clone().without_laser();
+        let Some(other) = Fit::find(&blind.model(known, gravity), &blind.first_guess(known, gravity)) else { return };
+        let contact_of = |recorded: &Recorded, fit: &Fit| {
+            let model = recorded.model(known, gravity);
+            [model.contact(&fit.best)[0], deviations(&model, fit)[2]]
+        };
+        let [[laser, of_laser], [force, of_force]] = [contact_of(recorded, fit), contact_of(&blind, &other)];
+        if (laser - force).abs() > CONTACT_APART.max(CONTACT_DEVIATIONS * of_laser.hypot(of_force)) {
+            self.disagreement.get_or_insert(Warning::LaserContactDiffers { laser, force });
+            self.blind = Some((blind, other));
+        }
+    }
 }
 
 /// Fits the recording with all that is known; where that contradicts it, without the height or the laser if both are
@@ -173,7 +200,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
     let all = fit(&recorded, &known).ok_or_else(no_fit)?;
     let pull = recorded.model(&known, gravity).pull(&all.best);
     if pull < PULLS && all.colour < MISFIT {
-        return Ok(Explained { known, recorded, fit: all, disagreement: None });
+        return Ok(Explained { known, recorded, fit: all, blind: None, disagreement: None });
     }
     // Without them friction may be anything.
     let friction = known.friction.or(Some(ANY_FRICTION));
@@ -194,7 +221,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
         if gained > excess.max(0.0) + CONTRADICTS {
             let reached = blind.model(&known, gravity).contact(&without.best)[1];
             let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
-            return Ok(Explained { known, recorded: blind, fit: without, disagreement });
+            return Ok(Explained { known, recorded: blind, fit: without, blind: None, disagreement });
         }
     }
     let deviations = deviations(&model, &free);
@@ -209,10 +236,10 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
     };
     let other = stated.into_iter().flatten().find(differs).filter(|_| excess > CONTRADICTS);
     match other {
-        None => Ok(Explained { known, recorded, fit: all, disagreement: None }),
+        None => Ok(Explained { known, recorded, fit: all, blind: None, disagreement: None }),
         Some((what, unit, found, _, stated)) if recorded.has_laser() => {
             let disagreement = Some(Warning::DropHeightDiffers { what, unit, found, stated });
-            Ok(Explained { known: unknown, recorded, fit: free, disagreement })
+            Ok(Explained { known: unknown, recorded, fit: free, blind: None, disagreement })
         }
         Some((what, unit, found, deviation, stated)) => {
             let [found, error, stated] =
@@ -253,7 +280,7 @@ pub(super) fn finish(
     class: Option<f64>,
     of_rate: Option<Warning>,
 ) -> Result<Drop, Error> {
-    let Explained { known, recorded, fit, disagreement } = explained;
+    let Explained { known, recorded, fit, blind, disagreement } = explained;
     let model = &recorded.model(known, tower.body.gravity);
     let Tower { body, .. } = *tower;
     let best = &fit.best;
@@ -290,6 +317,11 @@ pub(super) fn finish(
     let is_whole = clipping.is_none();
     let draws = fit.draws(model);
     let intervals = ramp.is_none().then(|| fit::intervals(recorded, model, fit, &draws, body)).flatten();
+    let other = blind.as_ref().and_then(|(recorded, fit)| {
+        let model = recorded.model(known, body.gravity);
+        fit::intervals(recorded, &model, fit, &fit.draws(&model), body)
+    });
+    let intervals = intervals.map(|all| other.iter().fold(all, Intervals::with));
     // The figures are of the whole reading, the intervals of its means; what there is no figure of has none.
     let rebounds = absorption.ok().filter(|_| is_whole);
     let intervals = intervals.map(|all| Intervals {
@@ -411,8 +443,14 @@ fn saturated(clipping: &Clipping, signals: &Recording) -> Warning {
         start: clipping.start,
         duration: clipping.duration,
         peak: extreme(column::ACCELERATION_FILTERED.name, Series::largest).unwrap_or(f64::NAN),
-        deepest: extreme(column::DISPLACEMENT.name, Series::smallest).unwrap_or(f64::NAN),
+        deepest: turning_point(signals).unwrap_or(f64::NAN),
     }
+}
+
+/// Where (m) the impactor first stops to descend. With a deceleration that is read too low it does so later and deeper.
+fn turning_point(signals: &Recording) -> Option<f64> {
+    let turns = signals.channel(column::VELOCITY.name)?.iter().position(|velocity| *velocity >= 0.0)?;
+    signals.channel(column::DISPLACEMENT.name)?.get(turns).copied()
 }
 
 impl Landmarks {
@@ -435,6 +473,23 @@ impl Landmarks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::Channel;
+
+    /// From 4 m/s at a deceleration of 100 m/s² the impactor turns after 40 ms, 80 mm down; then it falls.
+    #[test]
+    fn a_clipped_drop_is_bounded_by_where_it_first_turns() {
+        let time: Vec<f64> = (0..200).map(|i| 1e-3 * f64::from(i)).collect();
+        let motion =
+            |t: f64| if t < 0.05 { (100.0 * t - 4.0, 50.0 * t * t - 4.0 * t) } else { (1.0 - 9.81 * t, -2.0 * t) };
+        let turning = |time: Vec<f64>| {
+            let (velocity, displacement) = time.iter().map(|t| motion(*t)).unzip();
+            let channel = |name: Column, values| Channel { name: name.name.into(), values };
+            let channels = vec![channel(column::VELOCITY, velocity), channel(column::DISPLACEMENT, displacement)];
+            turning_point(&Recording { time, channels: channels.into() })
+        };
+        assert_eq!(turning(time[..30].to_vec()), None);
+        assert!((turning(time).unwrap() + 0.08).abs() < 1e-3);
+    }
 
     #[test]
     fn only_a_surely_faster_fall_over_a_used_height_is_reported() {

@@ -28,6 +28,9 @@ const IMPACT: f64 = 1.0;
 /// Share of the largest rise below which a peak is a knock.
 const KNOCK: f64 = 0.25;
 
+/// Time before and after a knock that a mask covers, s.
+const AROUND_KNOCK: f64 = 0.01;
+
 /// Depths of a fall in gravities that show another unit: m/s² read as g, and g read as m/s².
 const OF_OTHER_UNIT: [[f64; 2]; 2] = [[7.5, 12.0], [0.08, 0.12]];
 
@@ -105,7 +108,11 @@ impl Release {
                 "acceleration: there is no release before the impact at {impact:.4} s: the reading falls by {depth:.2} m/s² \
                  at most"
             )
-            .with_hint(BEGINS_WITH_REST)
+            .with_hint(format!(
+                "{BEGINS_WITH_REST}; a knock at rest is left out by --mask \"{:.0} ms..{:.0} ms\"",
+                1e3 * (impact - AROUND_KNOCK),
+                1e3 * (time[first_peak] + AROUND_KNOCK)
+            ))
             .with_kind(Kind::NoRelease(impact)));
         }
         let fallen = |share: f64| values.iter().position(|v| level - v >= share * depth).unwrap_or(0);

@@ -79,6 +79,31 @@ pub struct Intervals {
     pub contact: [[f64; 2]; 2],
 }
 
+impl Intervals {
+    /// Intervals that hold those of `other` unknowns, too.
+    pub(super) fn with(self, other: &Intervals) -> Intervals {
+        let both = |[low, high]: [f64; 2], [least, most]: [f64; 2]| [low.min(least), high.max(most)];
+        let either =
+            |own: Option<[f64; 2]>, other: Option<[f64; 2]>| own.zip(other).map(|(own, other)| both(own, other));
+        // The middles are apart by so much; either may be the value.
+        let apart = |own: [f64; 2], other: [f64; 2]| 0.5 * (other[0] + other[1] - own[0] - own[1]);
+        let apart = [apart(self.contact_time, other.contact_time), apart(self.impact_speed, other.impact_speed)];
+        let contact = [0, 1].map(|row| [0, 1].map(|of| self.contact[row][of] + 0.5 * apart[row] * apart[of]));
+        Intervals {
+            time_constant: either(self.time_constant, other.time_constant),
+            contact_time: both(self.contact_time, other.contact_time),
+            impact_speed: both(self.impact_speed, other.impact_speed),
+            impact_energy: both(self.impact_energy, other.impact_energy),
+            displacement: both(self.displacement, other.displacement),
+            rebound_speed: either(self.rebound_speed, other.rebound_speed),
+            absorbed_energy: both(self.absorbed_energy, other.absorbed_energy),
+            energy_absorption: either(self.energy_absorption, other.energy_absorption),
+            contact,
+            ..self
+        }
+    }
+}
+
 /// A reduced drop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drop {
@@ -155,7 +180,7 @@ impl Drop {
         after.largest().filter(|sample| sample[1] > 0.0 && self.is_measured(sample))
     }
 
-    /// From contact to the end of the first impact, s: the highest point before a later impact that is deeper, or the end.
+    /// From contact to the end of the first impact, s: the highest point before a later impact, or the end.
     pub(super) fn first_impact(&self) -> [f64; 2] {
         let end = self.signals.series(column::DISPLACEMENT.name).and_then(|displacement| {
             displacement.time().get(first_impact(displacement.values()).checked_sub(1)?).copied()
@@ -214,7 +239,7 @@ pub struct Figures {
     /// Of that work.
     #[serde(rename = "peak_absorbed_energy_interval_J")]
     pub peak_absorbed_energy_interval: Option<[f64; 2]>,
-    /// Work done on the film at the end.
+    /// Work done on the film at the end; none where that is of later drops, too.
     #[serde(rename = "final_absorbed_energy_J")]
     pub final_absorbed_energy: Option<f64>,
     /// D of the paper's equation 11; none without rebound.
@@ -261,6 +286,8 @@ impl Drop {
         let last = whole(column::ABSORBED_ENERGY.name).samples().last();
         let [peak, deepest, most, last] =
             [peak, deepest, absorbed.largest(), last].map(|sample| sample.filter(|sample| self.is_measured(sample)));
+        // Work of a later drop is none of this one.
+        let last = last.filter(|[_, work]| most.is_none_or(|[_, most]| *work <= most));
         // A clipped peak is not exceeded by the rest of its reading.
         let peak = peak.filter(|_| self.clipped_from.is_none());
         let rebound = self.rebound();

@@ -466,3 +466,63 @@ fn uncertain(seed: u64) -> impl FnMut() -> f64 {
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     move || StandardNormal.sample(&mut random)
 }
+
+/// A laser whose zero is off shows another contact than the force does.
+#[test]
+fn a_laser_that_the_force_contradicts_is_reported_and_intervals_hold_both() {
+    for off in [0.005, -0.005] {
+        let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+        let laser = recording.series("laser_m").unwrap();
+        let laser = laser.with_values(laser.values().iter().map(|place| place + off).collect());
+        let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
+        let differs = drop.warnings.iter().find_map(|warning| match warning {
+            Warning::LaserContactDiffers { laser, force } => Some(laser - force),
+            _ => None,
+        });
+        let differs = differs.unwrap_or_else(|| panic!("{:?}", drop.warnings));
+        assert!((differs - off / SPEED).abs() < 4e-4, "{off} m: {differs} s");
+        let Intervals { contact_time: [early, late], impact_speed: [slow, fast], .. } = drop.intervals.unwrap();
+        // 95 %, so that one of twenty misses the truth, by less than the laser alone does.
+        assert!((early - 1e-4..late + 1e-4).contains(&contact_time), "{early} to {late} for {contact_time}");
+        assert!((0.998 * slow..1.002 * fast).contains(&SPEED), "{slow} to {fast}");
+    }
+}
+
+/// What follows the first impact changes none of its figures.
+#[test]
+fn figures_are_of_the_first_impact() {
+    let (recording, ..) = recorded(&Sensors::default(), 3);
+    let once = reduced(&recording, &Reduction::default()).unwrap();
+    let mut twice = once.clone();
+    let [.., before, last] = once.signals.time[..] else { panic!("too short") };
+    twice.signals.time.extend(once.signals.time.iter().map(|time| time + last + (last - before)));
+    for (channel, own) in twice.signals.channels.iter_mut().zip(&once.signals.channels) {
+        // A faster impact that goes as deep.
+        let factor = if channel.name == "displacement_m" { 1.0 } else { 1.1 };
+        channel.values.extend(own.values.iter().map(|value| factor * value));
+    }
+    let figures = |drop: &Drop| {
+        let Figures { peak_acceleration_m_s2, rebound_velocity_m_s, peak_displacement_m, time_of_rebound_s, .. } =
+            drop.figures();
+        [peak_acceleration_m_s2, rebound_velocity_m_s, peak_displacement_m, time_of_rebound_s]
+    };
+    assert_eq!(figures(&twice), figures(&once));
+}
+
+#[test]
+fn errors_name_the_option_that_helps() {
+    let (recording, ..) = recorded(&Sensors { laser: None, ..Sensors::default() }, 1);
+    let reading = reading(&recording);
+    let hint = |series: &Series| {
+        let refused = reduce(series, None, &TOWER, &Reduction::default()).unwrap_err();
+        refused.hint().unwrap_or_default().to_owned()
+    };
+    let milliseconds = of_samples(reading.samples().map(|[t, v]| [1e3 * t, v]));
+    assert!(hint(&milliseconds).ends_with("--columns \"time [ms],accel [g]\""));
+    let knocked = |[t, v]: [f64; 2]| if (0.045..0.051).contains(&t) { 400.0 } else { v };
+    let hint = hint(&of_samples(reading.samples().map(|[t, v]| [t, knocked([t, v])])));
+    let mask = hint.split_once("--mask ").expect(&hint).1;
+    let times: Vec<f64> =
+        mask.trim_matches('"').split("..").map(|time| time.replace(" ms", "").parse().unwrap()).collect();
+    assert!(times[0] < 45.0 && times[1] > 51.0 && times[1] < 90.0, "{hint}");
+}
