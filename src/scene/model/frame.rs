@@ -260,8 +260,8 @@ pub(super) fn check_air(scene: &Scene<'_>, faces: Option<&[Face]>, checker: &mut
     if air.cushion.is_none() {
         return Some(air);
     }
-    if check.is_written("air.discharge") && !check.is_written("air.vent") {
-        check.out_of_place("air.discharge", "closed air does not flow: give `vent`");
+    if checker.is_written("air.discharge") && !checker.is_written("air.vent") {
+        checker.out_of_place("air.discharge", "closed air does not flow: give `vent`");
     }
     if faces.is_some_and(|faces| faces.len() != 2) {
         let hint = "a cushion has two faces; air between more of them is not supported yet";
