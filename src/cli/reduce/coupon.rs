@@ -208,12 +208,11 @@ impl Target {
     }
 }
 
-/// The files to write and their texts, with the doubt about them.
-fn texts(
-    args: &ReduceCouponArgs,
-    reduced: &Reduced,
-    Target { places, given }: &Target,
-) -> Result<(Vec<(PathBuf, String)>, Option<Warning>), Failure> {
+/// Files to write and their texts, with the doubt about them.
+type Written = (Vec<(PathBuf, String)>, Option<Warning>);
+
+/// The files of a material.
+fn texts(args: &ReduceCouponArgs, reduced: &Reduced, Target { places, given }: &Target) -> Result<Written, Failure> {
     let [material, shear] = places.clone();
     let source = args.shear.as_deref().map(shown_path).unwrap_or_default();
     let shear_file = file_name(&shear);

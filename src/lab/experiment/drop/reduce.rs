@@ -485,7 +485,7 @@ mod tests {
             let (velocity, displacement) = time.iter().map(|t| motion(*t)).unzip();
             let channel = |name: Column, values| Channel { name: name.name.into(), values };
             let channels = vec![channel(column::VELOCITY, velocity), channel(column::DISPLACEMENT, displacement)];
-            turning_point(&Recording { time, channels: channels.into() })
+            turning_point(&Recording { time, channels })
         };
         assert_eq!(turning(time[..30].to_vec()), None);
         assert!((turning(time).unwrap() + 0.08).abs() < 1e-3);

@@ -377,9 +377,12 @@ mod tests {
     use super::*;
     use crate::experiment::coupon::{Rules, Sample};
 
-    /// The material of coupons with these curves, sampled evenly up to their ends, then broken.
-    fn texts(of: &[(Direction, &dyn Fn(f64) -> f64, f64)]) -> Result<Texts, Error> {
-        let sample = |(direction, stress, end): &(Direction, &dyn Fn(f64) -> f64, f64)| {
+    /// Direction, stress over strain, and largest strain of a coupon.
+    type Given<'a> = (Direction, &'a dyn Fn(f64) -> f64, f64);
+
+    /// The material of such coupons, sampled evenly up to their ends, then broken.
+    fn texts(of: &[Given<'_>]) -> Result<Texts, Error> {
+        let sample = |(direction, stress, end): &Given<'_>| {
             let mut strain: Vec<f64> = (0..=2000).map(|i| end * f64::from(i) / 2000.0).collect();
             let mut stresses: Vec<f64> = strain.iter().map(|strain| stress(*strain)).collect();
             strain.push(end + 0.01);
