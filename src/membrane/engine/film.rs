@@ -219,7 +219,7 @@ impl Film {
         frequency_bounds(std::slice::from_ref(self), &ThreadPool::new(1), position.axes())[0]
     }
 
-    /// Squared angular frequency of its smallest element with the largest slope of its law, rad²/s².
+    /// Squared angular frequency of its smallest element with the largest slope of its law at small strains, rad²/s².
     pub(super) fn largest_frequency(&self) -> f64 {
         self.chunks.iter().map(|chunk| chunk.group.largest_frequency(self.density)).fold(0.0, f64::max)
     }

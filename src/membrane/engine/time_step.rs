@@ -29,8 +29,8 @@ const INTERVAL: (u32, f64) = (14, 0.005 / 70.0);
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.02;
 
-/// Largest step over the first one, and of that over the step where the law is steepest: film may have no stiffness while it
-/// is slack or at rest, but get it at any time.
+/// Largest step over the first one, and of that over the step where the law is steepest at small strains: film may have no
+/// stiffness while it is slack or at rest, but get it at any time.
 const CEILING: f64 = 4.0;
 
 /// Share of the first step below which a run fails.
@@ -193,7 +193,7 @@ mod tests {
         [Engine::new(vec![film], nodes, [], Loads::default()).time_step(), of_tangent]
     }
 
-    /// That of film without a tangent at rest follows from its steepest slope: c = √(E/ρ) passes an element.
+    /// That of film without a tangent at rest follows from its steepest slope at small strains: c = √(E/ρ) passes an element.
     #[test]
     fn the_first_step_is_bounded_by_the_steepest_slope() {
         let [step, of_tangent] = first_steps(0.05);

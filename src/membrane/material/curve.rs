@@ -160,9 +160,12 @@ impl Curve {
         self.segments[0].slope
     }
 
-    /// Largest slope, Pa.
-    pub fn steepest(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.slope).fold(0.0, f64::max)
+    /// Largest slope that begins at a strain which few steps reach, Pa: what film that is soft at rest soon has.
+    pub fn early_slope(&self) -> f64 {
+        /// That strain.
+        const EARLY: f64 = 0.1;
+        let early = self.segments.iter().filter(|segment| segment.start <= EARLY);
+        early.map(|segment| segment.slope).fold(0.0, f64::max)
     }
 
     /// Stress at one strain, Pa.

@@ -192,9 +192,9 @@ impl<F: FibreLaw> MembraneLaw for Fabric<F> {
         [self.md.initial_slope(), self.td.initial_slope()]
     }
 
-    fn largest_modulus(&self) -> f64 {
+    fn early_modulus(&self) -> f64 {
         let fibres = [Some(&self.md), Some(&self.td), self.biaxial.as_ref()].into_iter().flatten();
-        fibres.map(F::largest_modulus).fold(self.shear.steepest(), f64::max)
+        fibres.map(F::early_modulus).fold(self.shear.early_slope(), f64::max)
     }
 
     #[inline(always)]

@@ -30,8 +30,8 @@ pub trait FibreLaw: Clone + std::fmt::Debug + Send + Sync {
     /// Initial slope of the curve at the lowest rate, Pa.
     fn initial_slope(&self) -> f64;
 
-    /// Largest slope of all curves, Pa.
-    fn largest_modulus(&self) -> f64;
+    /// Largest slope of all curves at small strains, Pa.
+    fn early_modulus(&self) -> f64;
 
     /// Break strain at the present rate.
     fn break_strain<const L: usize>(&self, history: &Self::History<L>) -> Lane<L>;
@@ -72,8 +72,8 @@ impl FibreLaw for Curve {
         Curve::initial_slope(self)
     }
 
-    fn largest_modulus(&self) -> f64 {
-        self.steepest()
+    fn early_modulus(&self) -> f64 {
+        self.early_slope()
     }
 
     #[inline(always)]

@@ -213,8 +213,8 @@ pub trait MembraneLaw {
     fn thickness_ratio<const L: usize>(&self, d: &Deformation<L>, stress: &Stress<L>) -> Lane<L>;
     /// Slopes of the law at rest along MD and TD, of a fabric those of its own curves, Pa.
     fn moduli(&self) -> [f64; 2];
-    /// Largest slope of the law, Pa, also of film that is soft at rest.
-    fn largest_modulus(&self) -> f64 {
+    /// Largest slope of the law at small strains, Pa, also of film that is soft at rest.
+    fn early_modulus(&self) -> f64 {
         let [md, td] = self.moduli();
         md.max(td)
     }

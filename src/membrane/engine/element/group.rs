@@ -36,8 +36,8 @@ pub(crate) trait ElementGroup: Send + Sync {
     /// Bound on the squared angular frequency of any element of `density` (kg/m³), rad²/s² (theory.md, equation 17).
     fn frequency_bound(&self, width: Width, density: f64, position: &[&[f64]; 3]) -> f64;
 
-    /// Squared angular frequency (rad²/s²) of the smallest element of `density` (kg/m³) with the largest slope of its law in
-    /// any direction.
+    /// Squared angular frequency (rad²/s²) of the smallest element of `density` (kg/m³) with the largest slope of its law at
+    /// small strains in any direction.
     fn largest_frequency(&self, density: f64) -> f64;
 
     /// Adds mass to the elements of `density` (kg/m³) whose squared angular frequency is above `most` (rad²/s²), so that
@@ -168,7 +168,7 @@ where
 
     #[cfg_attr(not(test), inline)]
     fn largest_frequency(&self, density: f64) -> f64 {
-        let stiffness = Stiffness::in_any_direction(splat(self.law.largest_modulus()));
+        let stiffness = Stiffness::in_any_direction(splat(self.law.early_modulus()));
         let of_block = |(b, block): (usize, &B)| {
             let gradients = block.gradients();
             let entry = |i: usize, j: usize| gradients.iter().fold(splat(0.0), |sum, of| sum + of[i] * of[j]);

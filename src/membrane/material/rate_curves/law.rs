@@ -144,9 +144,9 @@ impl FibreLaw for RateCurves {
         self.slowest.initial_slope()
     }
 
-    fn largest_modulus(&self) -> f64 {
+    fn early_modulus(&self) -> f64 {
         let intervals = self.intervals.iter().map(|interval| &interval.curve);
-        intervals.map(Curve::steepest).fold(self.slowest.steepest(), f64::max)
+        intervals.map(Curve::early_slope).fold(self.slowest.early_slope(), f64::max)
     }
 
     #[inline(always)]
