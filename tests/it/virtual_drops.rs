@@ -403,10 +403,12 @@ fn figures_of_a_clipped_accelerometer_are_withheld() {
         }
         let findings = clipped["findings"].as_array().expect("findings");
         let finding = findings.iter().find(|finding| finding["code"] == "saturated-accelerometer").expect("a finding");
-        let bounds = ["peak_acceleration_at_least_m_s2", "peak_displacement_at_least_m"];
-        for (bound, key) in bounds.into_iter().zip(["peak_acceleration_m_s2", "peak_displacement_m"]) {
-            assert!(workbench::figure(finding, bound) < workbench::figure(&whole, key), "{level}: {key}");
-        }
+        let [peak, travel] =
+            ["peak_acceleration_at_least_m_s2", "peak_displacement_at_least_m"].map(|key| &finding[key]);
+        assert!(peak.as_f64() < whole["peak_acceleration_m_s2"].as_f64(), "{level}: {peak}");
+        // Where the impactor would not turn, nothing bounds its travel.
+        let is_bound = travel.as_f64() < whole["peak_displacement_m"].as_f64();
+        assert!(travel.is_null() && level < 110.0 || travel.is_f64() && is_bound, "{level}: {travel}");
         let text = workbench::printed(&droptower(&[&["reduce", "drop", &path][..], &TOWER_OF_1008].concat()));
         assert!(text.contains("at least ") && text.contains("loading energy absorbed withheld"), "{text}");
     }

@@ -58,7 +58,7 @@ fn each_face_falls_by_its_own_share_of_weight() {
     let mut claims = Claims::of("added mass of unequal faces");
     let layer = |height: f64, count: u32| format!("[[layer]]\nheight = {height}\ncount = {count}\n");
     let model = written(&format!(
-        "specimen = {{ shape.rectangle = [0.2, 0.2], mesh.size = 0.1, material = {{ density = 1000, thickness = 10e-6, \
+        "specimen = {{ shape.rectangle = [0.2, 0.2], mesh.size = 0.02, material = {{ density = 1000, thickness = 10e-6, \
          elastic = {{ young = 1e8, poisson = 0.3 }} }} }}
          frame.hold = \"none\"
          air.added_mass = 0.1
