@@ -42,7 +42,8 @@ impl Curve {
         for place in 0..=places {
             let from = start + step * place as f64;
             let Some((line, scatter)) = self.line_between([from, from + width]) else { continue };
-            if line.slope < ENDED * most {
+            // Noise of slack falls as often as it rises.
+            if most > 0.0 && line.slope < ENDED * most {
                 break;
             }
             if line.slope * width > RISES * scatter {
