@@ -151,10 +151,10 @@ fn the_kept_state_nearest_in_time_is_told() {
     let small = |name: &str, more: &[&str]| {
         time(draw(name, &[&["--size", "320x200", "--dpi", "50", "--at"][..], more].concat()))
     };
-    assert_eq!(small("at.png", &["21.3 ms"]), nearest);
-    let again = small("again.png", &["21.3 ms", "--again"]);
+    assert_eq!(small("told-at.png", &["21.3 ms"]), nearest);
+    let again = small("told-again.png", &["21.3 ms", "--again"]);
     assert!((again - 0.0213).abs() <= (nearest - 0.0213).abs() && (again - 0.0213).abs() < 1e-3, "{again} {nearest}");
-    let contact = small("contact.png", &["first-contact"]);
+    let contact = small("told-contact.png", &["first-contact"]);
     assert!(contact < 0.01, "the drop begins at first contact: {contact}");
     let told = ["picture", "run", "-o", "told.svg", "--at", "21.3ms", "--dpi", "50"];
     let text = printed(&droptower(RUN.path(), &told));
