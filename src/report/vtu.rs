@@ -118,7 +118,7 @@ fn parts<'a>(model: &'a Model, outcome: &'a Outcome) -> Vec<Part<'a>> {
 /// All files of a run, in their order, made by as many threads as there are.
 ///
 /// # Errors
-/// Of each file: snapshots without their [`Detail`](scene::simulate::Detail), and what the formats refuse.
+/// Of each file: snapshots without their [`Detail`], and what the formats refuse.
 pub fn files<'a>(model: &'a Model, outcome: &'a Outcome) -> impl ParallelIterator<Item = Result<File, VtuError>> + 'a {
     parts(model, outcome).into_par_iter().flat_map(|part| series(part, &outcome.snapshots))
 }

@@ -443,7 +443,7 @@ pub struct Motion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Its keys as written, without `impactor`, `signals` and `field`, which are below. Postcard writes them, but cannot read a
-    /// window: [`decisive`] leaves the reference out of what checkpoints hold.
+    /// window: `decisive` leaves the reference out of what checkpoints hold.
     pub written: scenario::Reference,
     /// Index of the impactor that it was recorded of.
     pub impactor: usize,

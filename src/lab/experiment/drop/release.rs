@@ -247,7 +247,7 @@ impl GravityRamp {
     }
 
     /// Correction at time `t` (s) where contact was at `contact` (s): −depth up to contact, then the release
-    /// mirrored, back to zero after its duration or after [`ADDED_OVER`].
+    /// mirrored, back to zero after its duration or after `ADDED_OVER`.
     pub fn mirrored(&self, t: f64, contact: f64) -> f64 {
         let since = (t - contact).max(0.0);
         if since > ADDED_OVER { 0.0 } else { self.reading_at(self.start + self.duration - since) }

@@ -1,4 +1,4 @@
-//! Energies of rubber-like film, fitted through the kernels of [`HyperelasticLaw`](membrane::material::HyperelasticLaw).
+//! Energies of rubber-like film, fitted through the kernels of [`HyperelasticLaw`].
 //!
 //! The stresses of each energy are linear in its moduli and nonlinear in the rest: exponents, a limit, Poisson's
 //! ratio. The search is over these alone, and each of its points has the best moduli (variable projection, Golub and
