@@ -386,13 +386,15 @@ impl Engine {
         let kick = Kick::new(over, self.loads.damping);
         let integration = nodes.integration(kick, dt, records);
         let (width, ranges) = (self.pool.width(), &self.node_ranges);
-        let gravity: Vec<f64> = films.iter().map(|film| self.loads.film_gravity(film)).collect();
+        let (films, loads) = (&*films, &self.loads);
         let mut parts = vec![StepSums::default(); ranges.len()];
         let sums_of = Disjoint::new(&mut parts);
         self.pool.each(ranges.len(), |part| {
             let (film, range) = &ranges[part];
             // SAFETY: every range comes up once.
-            unsafe { *sums_of.entry(part) = integration.advance(width, range.clone(), gravity[*film]) };
+            unsafe {
+                *sums_of.entry(part) = integration.advance(width, range.clone(), loads.film_gravity(&films[*film]));
+            };
         });
         // A slot a range, added in order: sums over threads as they finish would differ from run to run.
         let mut sums = parts.iter().fold(StepSums::default(), |all, part| all.and(part));

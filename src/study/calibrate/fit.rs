@@ -71,7 +71,7 @@ impl Fit {
     /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
     pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
         let mut values = plan.start();
-        let taken = |plan: &Plan| plan.tests.iter().map(|test| test.study.runs_taken()).sum::<usize>();
+        let taken = |plan: &Plan| plan.tests.iter().map(|test| test.study.runs_taken()).max();
         let (begin, before) = (Instant::now(), taken(plan));
         let simulated = simulated_at(plan, &values, session)?;
         // Of runs that a former study left, the time says nothing.

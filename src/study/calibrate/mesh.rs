@@ -118,7 +118,8 @@ pub(super) struct Added {
     pub(super) change: f64,
 }
 
-/// The signals of a test on elements of this factor of their size, or why there are none, as where its film breaks; nothing of a test without elements.
+/// The signals of a test on elements of this factor of their size, or why there are none, as where its film breaks; nothing of a
+/// test without elements.
 type OnElements = Option<Result<Vec<Series>, String>>;
 
 /// Runs of all tests at these values on elements of these factors of their size: a row a test.

@@ -171,8 +171,8 @@ impl Search {
     }
 }
 
-/// Share of the box, along its coordinate, or of the value, by which a start on a bound is moved inwards for the transform, whose derivative
-/// vanishes on the bound.
+/// Share of the box, along its coordinate, or of the value, by which a start on a bound is moved inwards for the transform, whose
+/// derivative vanishes on the bound.
 const INWARDS: f64 = 0.01;
 
 /// Distance from a bound, as a share of the box, or of the value where only one side is bounded, at which a point

@@ -132,8 +132,9 @@ pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[Start
     let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
     let is_elsewhere = |other: &&StartResult| {
         // Levenberg–Marquardt ends where x changes by less than this share of itself, the others at this distance.
-        let found = |b: f64| 10.0 * search.tol_x * if search.method == Method::LevenbergMarquardt { b } else { 1.0 };
-        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(found(b.abs()));
+        let is_relative = search.method == Method::LevenbergMarquardt;
+        let ends_within = |b: f64| 10.0 * search.tol_x * if is_relative { b.abs() } else { 1.0 };
+        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(ends_within(*b));
         !is_higher(other) && other.x.iter().zip(&best.x).any(differs)
     };
     let starts = results.len();
