@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::constraint::{Constraint, Points, Response};
 use super::contact::Meeting;
 use super::impact::{Impact, released_pairs};
-use super::rigid_body::RigidBody;
-use super::weighted_nodes::ContactImpulse;
+use super::rigid_body::{InverseMass, RigidBody};
 
 /// Overlap over the size of the smaller body that is round-off.
 pub(super) const TOUCH: f64 = 1e-9;
@@ -22,13 +22,58 @@ pub(super) struct Collisions {
     points: Vec<Collision>,
 }
 
-/// A point at which two bodies may meet.
-struct Collision {
+/// Points of two bodies: of the second one over the first.
+pub(super) struct BodyPoints {
     bodies: [usize; 2],
-    /// On the second body; its normal is from the first body to it.
-    impulse: ContactImpulse,
     /// From the centres of mass, m.
     arms: [Vector3<f64>; 2],
+    /// Of each.
+    inverse_masses: [InverseMass; 2],
+}
+
+impl BodyPoints {
+    /// Of two of the bodies, by their numbers, at `arms` (m) from their centres of mass.
+    pub(super) fn new(impacts: &[Impact], bodies: [usize; 2], arms: [Vector3<f64>; 2]) -> BodyPoints {
+        let inverse_masses = [0, 1].map(|k| impacts[bodies[k]].body.inverse_mass_at(&arms[k]));
+        BodyPoints { bodies, arms, inverse_masses }
+    }
+
+    /// Their constraint along `normal`.
+    pub(super) fn along(self, normal: Vector3<f64>) -> Constraint<BodyPoints> {
+        let response = self.response(&normal).dot(&normal);
+        Constraint::new(self, normal, response)
+    }
+
+    /// Velocity of the second point over the first of bodies that move as `body` tells by their number, m/s.
+    fn velocity_of<'a>(&self, body: impl Fn(usize) -> &'a RigidBody) -> Vector3<f64> {
+        let [a, b] = [0, 1].map(|k| body(self.bodies[k]).velocity_at(&self.arms[k]));
+        b - a
+    }
+}
+
+impl Response for BodyPoints {
+    fn response(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        let [a, b] = &self.inverse_masses;
+        a.response(impulse) + b.response(impulse)
+    }
+}
+
+impl Points<[Impact]> for BodyPoints {
+    fn velocity(&self, impacts: &[Impact]) -> Vector3<f64> {
+        self.velocity_of(|k| &impacts[k].body)
+    }
+
+    fn apply(&self, impulse: &Vector3<f64>, impacts: &mut [Impact]) {
+        let ([a, b], [of_a, of_b]) = (self.bodies, &self.arms);
+        impacts[a].body.apply_impulse_at(&-impulse, of_a);
+        impacts[b].body.apply_impulse_at(impulse, of_b);
+    }
+}
+
+/// A point at which two bodies may meet.
+struct Collision {
+    /// Its normal is from the first body to the second.
+    contact: Constraint<BodyPoints>,
     /// m; negative where they overlap.
     gap: f64,
     /// m.
@@ -49,15 +94,16 @@ impl Collisions {
             let tolerance = TOUCH * a.contact.surface().size().min(b.contact.surface().size());
             // Points and arms hold for the whole step, and velocities alone change: so a sweep needs no search.
             let found = meetings(a, b, reach + tolerance + a.cover + b.cover);
-            points.extend(found.into_iter().map(|Meeting { point, normal, gap }| Collision {
-                bodies: [first, second],
-                impulse: ContactImpulse::none(normal),
-                arms: [a, b].map(|of| point - of.body.centre()),
-                gap: gap - a.cover - b.cover,
-                tolerance,
-                restitution: a.restitution.min(b.restitution),
-                friction: a.contact.friction().min(b.contact.friction()),
-                is_blocked: false,
+            points.extend(found.into_iter().map(|Meeting { point, normal, gap }| {
+                let arms = [a, b].map(|of| point - of.body.centre());
+                Collision {
+                    contact: BodyPoints::new(impacts, [first, second], arms).along(normal),
+                    gap: gap - a.cover - b.cover,
+                    tolerance,
+                    restitution: a.restitution.min(b.restitution),
+                    friction: a.contact.friction().min(b.contact.friction()),
+                    is_blocked: false,
+                }
             }));
         }
         Collisions { points }
@@ -69,10 +115,9 @@ impl Collisions {
         for sweep in 0..SWEEPS {
             let mut any = false;
             for point in &mut self.points {
-                let Ok([a, b]) = impacts.get_disjoint_mut(point.bodies) else { continue };
                 // One after the other, each with the velocities that the one before left: a row of balls passes an
                 // impact on by this.
-                any |= point.solve(&mut a.body, &mut b.body, dt);
+                any |= point.solve(impacts, dt);
             }
             if !any {
                 // The first sweep has found nothing to do, so there was no impulse.
@@ -85,78 +130,51 @@ impl Collisions {
     /// Energy that the impulses of the step dissipate in the half step before the full one, and in that after it, J; `before`
     /// are the bodies before the step.
     pub(super) fn losses(&self, impacts: &[Impact], before: &[RigidBody]) -> [f64; 2] {
-        let (mut behind, mut ahead) = (0.0, 0.0);
-        for Collision { bodies: [a, b], arms, impulse, .. } in &self.points {
-            let impulse = impulse.total();
-            // Summed impulses times the mean of the velocities before and after the step: exact, whatever the sweeps
-            // did in between.
-            let half_power =
-                |a: &RigidBody, b: &RigidBody| -0.5 * impulse.dot(&(b.velocity_at(&arms[1]) - a.velocity_at(&arms[0])));
-            behind += half_power(&before[*a], &before[*b]);
-            ahead += half_power(&impacts[*a].body, &impacts[*b].body);
+        // Summed impulses times the mean of the velocities before and after the step: exact, whatever the sweeps did in
+        // between.
+        let mut losses = [0.0; 2];
+        for Collision { contact, .. } in &self.points {
+            let [behind, ahead] = [contact.points.velocity_of(|k| &before[k]), contact.points.velocity(impacts)];
+            losses[0] -= contact.half_work(&behind).iter().sum::<f64>();
+            losses[1] -= contact.half_work(&ahead).iter().sum::<f64>();
         }
-        [behind, ahead]
+        losses
     }
 
     /// Adds the impulses of the step to those that the bodies have got, and marks those that met the frame.
     pub(super) fn record(&self, impacts: &mut [Impact]) {
         impacts.iter_mut().for_each(|impact| impact.meets_frame = false);
-        for Collision { bodies: [a, b], impulse, is_blocked, .. } in &self.points {
-            let with_frame = impacts[*a].is_frame || impacts[*b].is_frame;
-            if with_frame && (impulse.is_active() || *is_blocked) {
-                (impacts[*a].meets_frame, impacts[*b].meets_frame) = (true, true);
+        for Collision { contact, is_blocked, .. } in &self.points {
+            let [a, b] = contact.points.bodies;
+            let with_frame = impacts[a].is_frame || impacts[b].is_frame;
+            if with_frame && (contact.is_active() || *is_blocked) {
+                (impacts[a].meets_frame, impacts[b].meets_frame) = (true, true);
             }
-            let along_z = impulse.total().z;
-            impacts[*a].collision_impulse -= along_z;
-            impacts[*b].collision_impulse += along_z;
+            let along_z = contact.impulse().z;
+            impacts[a].collision_impulse -= along_z;
+            impacts[b].collision_impulse += along_z;
         }
     }
 }
 
 impl Collision {
-    /// Velocity of the second body over the first at the point, m/s.
-    fn relative_velocity(&self, a: &RigidBody, b: &RigidBody) -> Vector3<f64> {
-        b.velocity_at(&self.arms[1]) - a.velocity_at(&self.arms[0])
-    }
-
-    /// Relative velocity per impulse along `direction`, 1/kg.
-    fn inverse_effective_mass(&self, direction: &Vector3<f64>, a: &RigidBody, b: &RigidBody) -> f64 {
-        a.inverse_effective_mass(direction, &self.arms[0]) + b.inverse_effective_mass(direction, &self.arms[1])
-    }
-
-    fn apply(&self, impulse: &Vector3<f64>, a: &mut RigidBody, b: &mut RigidBody) {
-        a.apply_impulse_at(&-impulse, &self.arms[0]);
-        b.apply_impulse_at(impulse, &self.arms[1]);
-    }
-
     /// Newton's law of restitution and Coulomb's of friction for a gap that would close within `dt` (s) (theory.md,
     /// equations 58 and 59). Returns whether there was an impulse.
-    fn solve(&mut self, a: &mut RigidBody, b: &mut RigidBody, dt: f64) -> bool {
-        let normal = self.impulse.normal;
-        let velocity = self.relative_velocity(a, b).dot(&normal);
+    fn solve(&mut self, impacts: &mut [Impact], dt: f64) -> bool {
+        let velocity = self.contact.points.velocity(impacts).dot(&self.contact.normal);
         let recovery = if self.gap < -self.tolerance { -RECOVERY * self.gap / dt } else { 0.0 };
         // `velocity` < 0 closes the gap. The larger one, not the sum: an overlap adds nothing to a rebound.
         let target = recovery.max(-self.restitution * velocity);
-        let mass = self.inverse_effective_mass(&normal, a, b);
+        let is_fixed = self.contact.effective_mass == 0.0;
         // Only a gap that would close in this step gets an impulse, so resting bodies are not held at a distance.
-        if self.gap + velocity * dt >= -self.tolerance || velocity >= target || mass == 0.0 {
-            // Neither body yields, but they meet all the same, which `record` notes of the frame.
-            self.is_blocked = mass == 0.0 && self.gap + velocity * dt < -self.tolerance;
+        let closes = self.gap + velocity * dt < -self.tolerance;
+        // Neither body yields, but they meet all the same, which `record` notes of the frame.
+        self.is_blocked = is_fixed && closes;
+        if is_fixed || !closes || velocity >= target {
             return false;
         }
-        let change = (target - velocity) / mass;
-        self.impulse.press(change);
-        self.apply(&(normal * change), a, b);
-
-        let relative = self.relative_velocity(a, b);
-        let slip = relative - normal * relative.dot(&normal);
-        let Some(direction) = slip.try_normalize(0.0) else { return true };
-        // Along the slip: a spinning ball responds 3.5 times as much along its surface as across it.
-        let mass = self.inverse_effective_mass(&direction, a, b);
-        if mass > 0.0 {
-            let dragged = self.impulse.drag(slip / mass, self.friction);
-            self.apply(&dragged, a, b);
-        }
+        self.contact.target = target;
+        self.contact.solve(self.friction, impacts);
         true
     }
 }

@@ -8,6 +8,7 @@ mod adjacency;
 mod clamp;
 mod collision;
 mod colouring;
+mod constraint;
 mod contact;
 mod cushion;
 mod disjoint;
@@ -38,7 +39,6 @@ mod thread_pool_tests;
 mod tearing_tests;
 mod time_step;
 mod tips;
-mod weighted_nodes;
 
 pub use clamp::{Clamp, ClampedNode};
 pub use contact::{Contact, ContactState, Surface, SurfaceError};

@@ -1,7 +1,8 @@
 //! The impactors in a step: their release, their contact with the film and with each other (theory.md, section 6) and its
 //! place in the energy ledger, their motion.
 
-use super::collision::Collisions;
+use super::collision::{BodyPoints, Collisions};
+use super::constraint::Points;
 use super::contact::{Contact, Impulse};
 use super::film_contact::FilmContact;
 use super::impact::{Impact, released_pairs};
@@ -101,10 +102,8 @@ impl SharedNodes {
     fn pinch(&self, impacts: &mut [Impact], nodes: &Nodes, dt: f64) -> bool {
         let mut any = false;
         for (bodies, shared) in &self.pairs {
-            // Never fails: a pair has two bodies.
-            let Ok([a, b]) = impacts.get_disjoint_mut(*bodies) else { continue };
             for _ in 0..PINCHES {
-                let found: Vec<Pinch> = shared.iter().map(|node| pinch(a, b, nodes, *node, dt)).collect();
+                let found: Vec<Pinch> = shared.iter().map(|node| pinch(impacts, *bodies, nodes, *node, dt)).collect();
                 // Also by a node that yields: it moved for one body and may now be inside the other.
                 any |= found.iter().any(|found| *found != Pinch::None);
                 if !found.contains(&Pinch::Pressed) {
@@ -128,9 +127,10 @@ enum Pinch {
 }
 
 /// Looks at `node` between two bodies, which press on each other where it cannot yield.
-fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) -> Pinch {
+fn pinch(impacts: &mut [Impact], bodies: [usize; 2], nodes: &Nodes, node: usize, dt: f64) -> Pinch {
+    let [a, b] = bodies.map(|k| &impacts[k]);
     // Anew for each node: the impulse at the one before has changed the bodies' motion.
-    let poses = [&*a, &*b].map(|of| of.body.predicted(dt));
+    let poses = [a, b].map(|of| of.body.predicted(dt));
     let [(gap, normal), (other_gap, other_normal)] =
         [(&a.contact, &poses[0]), (&b.contact, &poses[1])].map(|(contact, pose)| contact.gap(nodes, pose, node));
     let tolerance = |contact: &Contact| TOLERANCE * contact.surface().size();
@@ -146,16 +146,14 @@ fn pinch(a: &mut Impact, b: &mut Impact, nodes: &Nodes, node: usize, dt: f64) ->
     let Some(direction) = (normal - other_normal).try_normalize(0.0) else { return Pinch::Yields };
     let point = nodes.position_of(node);
     let arms = poses.map(|pose| point.coords - pose.translation.vector);
-    let inverse_mass =
-        a.body.inverse_effective_mass(&direction, &arms[0]) + b.body.inverse_effective_mass(&direction, &arms[1]);
-    if inverse_mass == 0.0 {
+    let mut contact = BodyPoints::new(impacts, bodies, arms).along(direction);
+    if contact.effective_mass == 0.0 {
         return Pinch::None;
     }
-    let impulse = direction * (overlap / dt / inverse_mass);
-    a.body.apply_impulse_at(&-impulse, &arms[0]);
-    b.body.apply_impulse_at(&impulse, &arms[1]);
-    a.contact.record(Impulse::pressing(node, arms[0], impulse));
-    b.contact.record(Impulse::pressing(node, arms[1], -impulse));
+    contact.target = contact.points.velocity(impacts).dot(&direction) + overlap / dt;
+    let impulse = contact.solve(0.0, impacts);
+    impacts[bodies[0]].contact.record(Impulse::pressing(node, arms[0], impulse));
+    impacts[bodies[1]].contact.record(Impulse::pressing(node, arms[1], -impulse));
     Pinch::Pressed
 }
 

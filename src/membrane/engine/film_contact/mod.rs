@@ -27,7 +27,7 @@ use super::energy::ContactLoss;
 use super::film::Film;
 use super::nodes::{Nodes, Vectors};
 use super::thread_pool::ThreadPool;
-use constraint::{Carried, Constraint};
+use constraint::{Carried, FilmConstraint};
 use crossing::Crossings;
 use narrow_phase::Found;
 use self_contact::SelfContact;
@@ -58,7 +58,7 @@ pub struct FilmContact {
     largest_bound: f64,
     /// Distance up to which films are searched for, m.
     reach: f64,
-    constraints: Vec<Constraint>,
+    constraints: Vec<FilmConstraint>,
     /// Whether the constraints of the present step have been found.
     has_begun: bool,
     sweeps: Sweeps,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::constraint::{Constraint, Pair, Source, Unusable};
+use super::constraint::{FilmConstraint, Pair, Source, Unusable};
 use super::crossing::{Crossings, PARALLEL};
 use super::due::{self, Pairs};
 use super::surface::{Surface, place};
@@ -51,7 +51,7 @@ pub(super) struct Found {
     turned: Vec<u32>,
     /// Place of a pair of one face, its sign and its least allowed distance (m), where these have changed.
     pub(super) changed: Vec<(u32, [f64; 2])>,
-    constraints: Vec<Constraint>,
+    constraints: Vec<FilmConstraint>,
     /// Node and foot of those whose triangle or side has changed.
     moved: Vec<(u32, Foot)>,
     /// Nodes, crossings or pairs that do not lie on the sides of each other on which they were.
@@ -79,7 +79,7 @@ impl Found {
     fn add_close(&mut self, step: Step<'_>, source: impl Fn(usize) -> Source) {
         for (entry, pair) in &self.close {
             let place = self.places[*entry] as usize;
-            match Constraint::new(source(place), pair, step.nodes, step.dt) {
+            match FilmConstraint::new(source(place), pair, step.nodes, step.dt) {
                 Ok(constraint) => {
                     // Until the end of the step, for it has its constraint now.
                     self.spared[*entry] = f64::INFINITY;

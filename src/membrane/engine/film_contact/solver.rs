@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::constraint::Source;
+use super::constraint::{FilmConstraint, Source};
 use super::due::Pairs;
 use super::surface::NONE;
 use super::{FilmContact, History};
@@ -76,8 +76,9 @@ impl FilmContact {
             if let Some(carried) = self.history.carried.get(marked as usize) {
                 // Along the present normal, which has turned since: the old impulse was taken back above and is not
                 // simply kept.
-                self.constraints[k].start_from(carried, &mut nodes.velocity);
-                self.constraints[k].move_nodes(&mut nodes.position, dt);
+                let constraint = &mut self.constraints[k];
+                constraint.contact.start_from(carried.pressing, &carried.dragging.into(), &mut nodes.velocity);
+                constraint.move_nodes(&mut nodes.position, dt);
             }
         }
         self.mark_carried(|_| NONE);
@@ -155,21 +156,21 @@ impl FilmContact {
             active.extend(0..self.constraints.len());
         }
         for place in &*active {
-            self.constraints[*place].solve(friction, velocity);
+            self.constraints[*place].contact.solve(friction, velocity);
         }
         let mut largest = 0.0_f64;
         // There and back: against the order of the constraints, an impulse passes through a stack by one face a sweep.
         for place in active.iter().rev() {
-            let constraint = &mut self.constraints[*place];
-            let moved = constraint.solve(friction, velocity) * dt;
-            largest = largest.max(moved / constraint.bound);
+            let FilmConstraint { contact, bound, .. } = &mut self.constraints[*place];
+            let pressed = contact.solve(friction, velocity).dot(&contact.normal);
+            largest = largest.max(pressed.abs() * dt / (contact.effective_mass * *bound));
         }
         let is_settled = largest <= TOLERANCE;
         // Sweeps over active constraints cost a fraction of one over all; these end only after a whole one has
         // confirmed it.
         *skips = !is_settled;
         if is_whole && !is_settled {
-            active.retain(|place| self.constraints[*place].impulse.is_active());
+            active.retain(|place| self.constraints[*place].contact.is_active());
         }
         *has_converged = is_whole && is_settled;
         *has_converged
@@ -201,17 +202,18 @@ impl FilmContact {
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
             constraint.move_nodes(position, dt);
-            if !constraint.impulse.is_active() {
+            let FilmConstraint { contact, .. } = &*constraint;
+            if !contact.is_active() {
                 continue;
             }
             self.history.carried.push(constraint.carried());
             for (half, velocity) in [&self.previous_velocity, &*velocity].into_iter().enumerate() {
-                let [normal, tangential] = constraint.half_work(velocity);
+                let [normal, tangential] = contact.half_work(&contact.points.sum(velocity));
                 impact[half] -= self.multiplicity * normal;
                 friction[half] -= self.multiplicity * tangential;
             }
             let squared = |n: &u32| Vector3::from(velocity.value_at(*n as usize)).norm_squared();
-            fastest = constraint.points.nodes.iter().map(squared).fold(fastest, f64::max);
+            fastest = contact.points.nodes.iter().map(squared).fold(fastest, f64::max);
         }
         self.history.loss.impact.add(impact);
         self.history.loss.friction.add(friction);
@@ -222,8 +224,9 @@ impl FilmContact {
 
     /// Nodes that press on another face.
     pub(super) fn pressed_nodes(&self) -> usize {
-        let active = self.constraints.iter().filter(|constraint| constraint.impulse.is_active());
-        let mut pressed: Vec<u32> = active.flat_map(|constraint| constraint.points.weighted()).collect();
+        let active =
+            self.constraints.iter().map(|constraint| &constraint.contact).filter(|contact| contact.is_active());
+        let mut pressed: Vec<u32> = active.flat_map(|contact| contact.points.weighted()).collect();
         pressed.sort_unstable();
         pressed.dedup();
         pressed.len()

@@ -80,7 +80,7 @@ fn torn_edges_pass_each_other_with_some_steps_and_are_reported_as_lost() {
 
 // With a step in which torn edges of two faces do not pass each other.
 thorough::cases!(a_face_that_tears_does_not_cross_the_other {
-    both: [true, true], 0.7;
+    both: [true, true], 0.95;
 } thorough {
     upper: [true, false], 0.5;
     lower: [false, true], 0.5;
