@@ -21,10 +21,10 @@ const RECOVERY: f64 = 0.02;
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
 /// Largest number of Gauss–Seidel sweeps in a step.
-const SWEEPS: usize = 10;
+const SWEEPS: usize = 40;
 
-/// Largest number of sweeps on a body with edges, where an element meets several at once.
-const SWEEPS_AT_EDGES: usize = 40;
+/// Sweeps for which contact between faces, once it has converged, waits for that with the body.
+const AWAITED: usize = 10;
 
 /// Change of impulse in a sweep, over the largest impulse, below which the sweeps have converged.
 const TOLERANCE: f64 = 1e-3;
@@ -209,8 +209,7 @@ impl Contact {
         if let Some(between) = &between {
             self.add_near_constraints(constraints, between.detected_within(), step);
         }
-        let [most, rounds] =
-            if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
+        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -226,10 +225,8 @@ impl Contact {
                     }
                 }
                 let is_converged = match &mut between {
-                    // The body's share is waited for no longer than without film on film; `between` has to converge by
-                    // itself.
                     Some(between) => {
-                        between.sweep(step.nodes, dt) && (moved <= film_contact::TOLERANCE || done >= SWEEPS)
+                        between.sweep(step.nodes, dt) && (moved <= film_contact::TOLERANCE || done >= AWAITED)
                     }
                     None => change <= TOLERANCE * largest,
                 };
@@ -291,11 +288,6 @@ impl Contact {
         }
         self.neighbours.clearances = clearances;
         self.in_body = in_body;
-    }
-
-    /// Largest number of sweeps in a step, without contact between faces.
-    fn most_sweeps(&self) -> usize {
-        if self.surface.is_round() { SWEEPS } else { SWEEPS_AT_EDGES }
     }
 
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.

@@ -8,7 +8,7 @@ use parry3d_f64::shape::{Segment, Triangle};
 
 use super::convex::Solid;
 use super::element_points::{
-    DeepPoints, DeepestPoint, Followed, FollowedPoint, Search, corner_weights, point_of, sides,
+    DeepPoints, DeepestPoint, Followed, FollowedPoint, SAME, Search, corner_weights, point_of, sides,
 };
 use super::projection::{Projection, nearest_on_axis};
 use super::triangle_minimum::{Minimum, minimum, over_plane};
@@ -132,9 +132,9 @@ impl Surface {
         search.found.pop()
     }
 
-    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): the deepest
-    /// one of balls and capsules, which admit no second one apart from it, else one for each part of the element and
-    /// edge. Those of a convex body are `followed` from step to step, to within a `tolerance` (m) of the deepest.
+    /// The points of an element where its signed distance from the body at `pose` is below `within` (m): one for each part
+    /// of the element and edge, and in round bodies each that is deeper than the film about it. Those of a convex body are
+    /// `followed` from step to step, to within a `tolerance` (m) of the deepest.
     pub(in crate::engine::contact) fn deep_points(
         &self,
         pose: &Isometry3<f64>,
@@ -143,7 +143,7 @@ impl Surface {
         followed: &mut Followed,
         tolerance: f64,
     ) -> DeepPoints {
-        let mut search = Search::within(within, !self.is_round());
+        let mut search = Search::within(within, true);
         (search.followed, search.tolerance) = (Some(*followed), tolerance);
         deepest(&self.shape, pose, corners, &mut search);
         if let Some(places) = search.followed {
@@ -203,7 +203,8 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
 }
 
 /// Offers the deepest point of the four triangles of an element in `shape` at `pose`, of which `nearest` has that of a
-/// triangle about its centre.
+/// triangle about its centre, and those of other triangles that are deeper than the film about them: a warped element has two
+/// at a fold. If it were pushed out at one alone, it would rock between them and gain energy from friction.
 fn deepest_of_triangles(
     shape: &Shape,
     pose: &Isometry3<f64>,
@@ -212,19 +213,25 @@ fn deepest_of_triangles(
     nearest: impl Fn(&Triangle) -> Vector,
 ) {
     let mean = mean_of(corners);
-    let mut best: Option<DeepestPoint> = None;
+    let (mut points, mut least) = ([None; 4], f64::INFINITY);
     // A triangle repeats its last corner, which leaves one of the four without area.
     for [a, b] in sides(4) {
         let triangle = local(shape, pose, [&corners[a], &corners[b], &mean]);
-        let weights = corner_weights(a, b, barycentric(&triangle, nearest(&triangle)));
+        let place = barycentric(&triangle, nearest(&triangle));
+        let weights = corner_weights(a, b, place);
         let projection = shape.project(pose, &(point_of(corners, &weights) - pose.translation.vector));
-        // Also of points that are too far: it tells how far the element may move before it is looked at again.
-        search.least = search.least.min(projection.distance);
-        if projection.distance < best.map_or(search.within, |b| b.projection.distance) {
-            best = Some(DeepestPoint { projection, weights, side: 0, extent: projection.distance });
+        least = least.min(projection.distance);
+        // On a line to the mean, the next triangle may have a deeper one.
+        let is_apart = place[0] > SAME && place[1] > SAME;
+        points[a] = Some((DeepestPoint { projection, weights, side: a, extent: projection.distance }, is_apart));
+    }
+    // Also of points that are too far: it tells how far the element may move before it is looked at again.
+    search.least = search.least.min(least);
+    for (point, is_apart) in points.into_iter().flatten() {
+        if is_apart || point.projection.distance <= least {
+            search.offer(point);
         }
     }
-    best.into_iter().for_each(|point| search.offer(point));
 }
 
 /// Offers points in `solid` at `pose`.

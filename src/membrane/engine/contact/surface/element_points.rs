@@ -112,7 +112,7 @@ pub(in crate::engine::contact) const UNKNOWN: Followed =
     [FollowedPoint { place: [-1.0; 2], beyond: [0.0; 3], force: [0.0; 3] }; 4];
 
 /// Difference of the weights of corners and of the normals below which two points are one.
-const SAME: f64 = 1e-3;
+pub(super) const SAME: f64 = 1e-3;
 
 impl Search {
     /// A search that has found nothing yet.
