@@ -133,5 +133,6 @@ fn a_break_ends_the_test() {
     let (output, signals, summary) = run(puncture.path(), &[film, "loading.indent.depth=12mm"]);
     assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     let depth = figure(&summary, "depth_at_break_m");
-    assert!(depth < 0.012 && (last(&signals, "depth_m") - depth).abs() < 4e-3 / 20.0, "{depth}");
+    // A sample is a mean from half an interval before it to half after it, which the break may cut.
+    assert!(depth < 0.012 && (last(&signals, "depth_m") - depth).abs() < 1.5 * 4e-3 / 20.0, "{depth}");
 }
