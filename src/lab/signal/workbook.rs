@@ -316,6 +316,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn comments_are_those_of_their_sheet() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("two.xlsx");
+        let sheet = |comment: &str| rows(&format!("{comment}\nExtension,Load\nmm,N\n0,0\n1,4\n2,7"));
+        workbook(&[sheet("# direction: MD"), sheet("# VIRTUAL: nothing was pulled")], &path);
+        let found = specimens(&path).unwrap().unwrap().specimens;
+        let comments: Vec<String> = found.into_iter().flat_map(|specimen| specimen.comments).collect();
+        assert_eq!(comments, ["direction: MD", "VIRTUAL: nothing was pulled"]);
+    }
+
     /// Of four thousand cells; a count of those before each of them is over the limit.
     #[test]
     fn cells_are_counted_once() {

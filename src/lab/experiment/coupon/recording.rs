@@ -134,8 +134,7 @@ impl CouponReader {
             }
         };
         let reduced = export.specimens.iter().map(|specimen| {
-            self.reduce_specimen(path, specimen, &export.comments)
-                .map_err(|error| error.in_file(&place(path, &specimen.name)))
+            self.reduce_specimen(path, specimen).map_err(|error| error.in_file(&place(path, &specimen.name)))
         });
         reduced.collect()
     }

@@ -21,12 +21,7 @@ impl CouponReader {
     }
 
     /// Reduces a specimen of the export at `path`.
-    pub(super) fn reduce_specimen(
-        &self,
-        path: &Path,
-        specimen: &Specimen,
-        comments: &[String],
-    ) -> Result<CouponTest, Error> {
+    pub(super) fn reduce_specimen(&self, path: &Path, specimen: &Specimen) -> Result<CouponTest, Error> {
         let stated = &specimen.stated;
         let mut replaced = Vec::new();
         let coupon = self.dimensions.or(stated, &mut replaced).coupon(&stated.unused)?;
@@ -39,12 +34,12 @@ impl CouponReader {
             Some(values.iter().map(|value| unit.to_si(*value)).collect::<Vec<f64>>())
         });
         let speed = time.and_then(|time| measured_speed(&time, displacement.1.values()));
-        let label = self.label(path, specimen, comments, speed, &mut replaced)?;
+        let label = self.label(path, specimen, speed, &mut replaced)?;
         let Labelled { direction, velocity, measured } = label;
         let columns = [&force, &displacement].map(|(label, _)| label.clone());
         let curve = coupon.curve(&force.1, &displacement.1)?;
         let sample = Sample::new(direction, velocity, &curve, &self.rules)?;
-        let sample = Sample { is_virtual: Annotations::new(comments.to_vec()).is_virtual(), ..sample };
+        let sample = Sample { is_virtual: Annotations::new(specimen.comments.clone()).is_virtual(), ..sample };
         let note = SpecimenNote { name: specimen.name.clone(), stated: stated.written(), replaced, columns };
         Ok(CouponTest { path: path.into(), sample, merged: curve.merged(), coupon, measured, specimen: Some(note) })
     }
@@ -54,12 +49,11 @@ impl CouponReader {
         &self,
         path: &Path,
         specimen: &Specimen,
-        comments: &[String],
         measured: Option<f64>,
         replaced: &mut Vec<String>,
     ) -> Result<Labelled, Error> {
         let speed = specimen.stated.quantities.get(&Key::Speed);
-        let mut header = comments.to_vec();
+        let mut header = specimen.comments.clone();
         header.extend(specimen.stated.direction.iter().map(|word| format!("direction: {word}")));
         header.extend(speed.iter().map(|speed| format!("velocity: {} m/s", speed.value)));
         if let (Some(given), Some(speed)) = (self.given.velocity, speed)

@@ -59,18 +59,24 @@ impl Reader {
             last.rows.extend(pending);
         }
         head::state(&heads, &mut found, mark)?;
-        found.iter_mut().for_each(Specimen::trim);
+        for specimen in &mut found {
+            specimen.trim();
+            specimen.comments.clone_from(&comments);
+        }
         found.retain(|specimen| specimen.values.first().is_some_and(|values| !values.is_empty()));
-        Ok(Export { specimens: found, comments })
+        Ok(Export { specimens: found })
     }
 
     /// Adds a line of a text.
     pub fn push(&mut self, number: usize, line: &str, separator: Separator) -> Result<(), Error> {
-        if let Some(comment) = line.trim_start().strip_prefix('#') {
-            self.comments.push(comment.trim().to_owned());
-            return Ok(());
-        }
-        self.push_cells(number, cells(separator, line))
+        if self.push_comment(line) { Ok(()) } else { self.push_cells(number, cells(separator, line)) }
+    }
+
+    /// Adds a line that is a comment, and whether it is one.
+    pub fn push_comment(&mut self, line: &str) -> bool {
+        let comment = line.trim_start().strip_prefix('#');
+        self.comments.extend(comment.map(|comment| comment.trim().to_owned()));
+        comment.is_some()
     }
 
     /// Adds a row.
@@ -184,6 +190,7 @@ fn specimen(block: &Block, group: &Group, name: String) -> Specimen {
         columns: block.header.columns[start..end].to_vec(),
         values: (start..end).map(|place| block.rows.iter().map(|row| value(row, place)).collect()).collect(),
         stated: Stated::default(),
+        comments: vec![],
     }
 }
 

@@ -59,8 +59,6 @@ impl Stated {
 pub struct Export {
     /// In the order of the file.
     pub specimens: Vec<Specimen>,
-    /// Comments of the file: lines that start with `#`.
-    pub comments: Vec<String>,
 }
 
 /// One specimen.
@@ -74,6 +72,8 @@ pub struct Specimen {
     pub values: Vec<Vec<f64>>,
     /// What the head states of it.
     pub stated: Stated,
+    /// Comments of its file or sheet: lines that start with `#`.
+    pub comments: Vec<String>,
 }
 
 impl Export {
@@ -102,9 +102,12 @@ pub fn read_text(path: &Path) -> Result<Option<Export>, Error> {
 pub fn read(lines: &mut Lines<impl BufRead>, sheet: Option<&str>) -> Result<Option<Export>, Error> {
     let mut reader = Reader::default();
     if sheet.is_some() {
-        // Cells of a workbook are whole: a quote or `#` in them is text.
+        // Cells of a workbook are whole: a quote in them is text, and so is `#` beside other cells.
         while let Some(line) = lines.line()? {
-            reader.push_cells(line.number, line.text.split('\t').map(|cell| cell.trim().to_owned()).collect())?;
+            let is_comment = !line.text.trim().contains('\t') && reader.push_comment(&line.text);
+            if !is_comment {
+                reader.push_cells(line.number, line.text.split('\t').map(|cell| cell.trim().to_owned()).collect())?;
+            }
         }
     } else {
         let (first, Some(separator)) = separated(lines)? else { return Ok(None) };
@@ -203,15 +206,15 @@ mod tests {
         (found - expected).abs() <= 1e-6 * expected.abs()
     }
 
-    /// In a text the row of names would be a comment, and the quotes would take its columns together.
+    /// In a text the row of names would be a comment, and the quotes would take its columns together. A cell alone is one.
     #[test]
     fn cells_of_a_workbook_are_whole() {
         let of = |first: &str, second: &str| {
             let head = format!("{first}\t\t{second}\t\nExtension\tLoad\tExtension\tLoad\n(mm)\t(N)\t(mm)\t(N)\n");
             let rows: String = (0..9).map(|row| format!("{row}\t{}\t{row}\t{}\n", 2 * row, 3 * row)).collect();
-            let text = head + &rows;
+            let text = "\t# direction: MD\t\n".to_owned() + &head + &rows;
             let export = super::read(&mut super::Lines::new(text.as_bytes()), Some("Sheet")).unwrap().unwrap();
-            assert!(export.comments.is_empty());
+            assert!(export.specimens.iter().all(|own| own.comments == ["direction: MD"] && own.stated.is_empty()));
             export.specimens.into_iter().map(|own| (own.name, own.values)).unzip::<_, _, Vec<_>, Vec<_>>()
         };
         let (names, values) = of("A", "B");
