@@ -120,6 +120,9 @@ pub fn percentage(text: &str) -> Option<f64> {
     number.parse::<f64>().ok().filter(|number| number.is_finite()).map(|number| number / 100.0)
 }
 
+/// Share of a value below which it differs by the rounding of its unit: "9 um" is not "0.009 mm" to the last bit.
+const ROUNDING: f64 = 1e-12;
+
 /// Whether two texts are the same quantity, as "0.66m" and "660 mm" are.
 pub fn is_same(one: &str, other: &str) -> bool {
     let quantity = |text: &str| {
@@ -127,7 +130,10 @@ pub fn is_same(one: &str, other: &str) -> bool {
         let (factor, powers) = parse_unit(unit).ok().filter(|_| !unit.is_empty())?;
         Some((scale(number.parse().ok()?, factor), powers))
     };
-    one == other || quantity(one).is_some_and(|own| Some(own) == quantity(other))
+    one == other
+        || quantity(one).zip(quantity(other)).is_some_and(|((a, powers), (b, others))| {
+            powers == others && (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+        })
 }
 
 impl Dimension {
