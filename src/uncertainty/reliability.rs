@@ -160,7 +160,7 @@ pub fn subset_simulation(
     within_levels(inputs, options, MOST_LEVELS, limit_state)
 }
 
-/// Subset simulation of at most so many levels.
+/// Subset simulation of at most so many levels. In one piece, since every step changes what the estimate is made of.
 fn within_levels(
     inputs: usize,
     options: &Sampling,
@@ -183,11 +183,12 @@ fn within_levels(
         let is_last = number + 1 >= levels;
         // Nothing tells these samples apart, so the next level would be this one again.
         let leads_on = |threshold: &f64| level.outputs.iter().any(|g| g > threshold);
-        // Fewer than a tenth that fail are counted only where no level follows.
-        let threshold = level.threshold().filter(|at| !level.fails() || !is_last && leads_on(at));
+        let threshold = level.threshold();
         if threshold == Some(f64::INFINITY) {
             return Err(Error::new(format!("nine tenths of the outputs of level {number} are missing")));
         }
+        // Fewer than a tenth that fail are counted only where no level follows.
+        let threshold = threshold.filter(|at| !level.fails() || !is_last && leads_on(at));
         if let Some(threshold) = threshold.filter(|at| !leads_on(at)) {
             return Err(Error::new(format!(
                 "all samples of level {number} have the output {threshold}: nothing leads on to failure"
@@ -522,11 +523,14 @@ mod tests {
             Error::new("all samples of level 0 have the output 1: nothing leads on to failure")
                 .of_kind(Kind::NoProgress)
         );
-        let mut rare = |points: &[Vec<f64>]| (0..points.len()).map(|place| (place % 20 == 0).then_some(1.0)).collect();
-        assert_eq!(
-            subset_simulation(2, &subset, &mut rare).unwrap_err(),
-            Error::new("nine tenths of the outputs of level 0 are missing")
-        );
+        for output in [1.0, -1.0] {
+            let mut rare =
+                |points: &[Vec<f64>]| (0..points.len()).map(|place| (place % 20 == 0).then_some(output)).collect();
+            assert_eq!(
+                subset_simulation(2, &subset, &mut rare).unwrap_err(),
+                Error::new("nine tenths of the outputs of level 0 are missing")
+            );
+        }
         let uneven = Sampling { samples: 105, ..subset };
         assert_eq!(
             subset_simulation(2, &uneven, &mut flat).unwrap_err(),
