@@ -77,13 +77,15 @@ findings! {
         LaserContactDiffers {
             laser: f64, "time of contact with the laser, s" => "laser_s";
             force: f64, "as release, height and onset of the force show it without the laser, s" => "force_s";
+            held: bool, "whether intervals hold both";
         } = "laser-contact-differs", Warning;
             meaning "release, height and the onset of the force show another time of contact than the laser, by more than their errors; \
-                intervals hold both";
+                intervals hold both where the message says so";
             remedy "check the zero of the laser, which counts from the film's upper face, and the height; `--without-laser` leaves it \
                 out";
-            message "the force sets in {:.1} ms {} the contact that the laser shows, at {laser:.4} s: intervals hold both",
-                1e3 * (laser - force).abs(), if force < laser { "before" } else { "after" };
+            message "the force sets in {:.1} ms {} the contact that the laser shows, at {laser:.4} s{}",
+                1e3 * (laser - force).abs(), if force < laser { "before" } else { "after" },
+                if *held { ": intervals hold both" } else { "" };
         GuideFrictionChanges {
             friction: [f64; 2], "at the release and at contact, N"
                 => "friction_at_release_N" = friction[0], "friction_at_contact_N" = friction[1];
@@ -187,7 +189,7 @@ findings! {
                 range, so that strength, stress at the break and yield points are too low";
             remedy "pull again with a larger load cell, or leave the recording out";
             message "the force stays at its largest value, {} N, which may be the end of the load cell's range: {}",
-                listed(forces, 4), shown(paths).join("; ");
+                each(forces, 4), shown(paths).join("; ");
         ForceAfterBreak {
             paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
             forces: Vec<f64>, "what is left, N" => "force_N";
@@ -196,7 +198,7 @@ findings! {
                 not break whole";
             remedy "subtract the force from the recording where it is the zero; else measure again";
             message "{} N stay after the break, so that the zero of the load cell may be off: {}",
-                listed(forces, 3), shown(paths).join("; ");
+                each(forces, 3), shown(paths).join("; ");
         ImplausibleCoupon {
             paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
             what: &'static str, "the figure" => "what";
@@ -206,7 +208,7 @@ findings! {
         } = "implausible-coupon", Warning;
             meaning "thickness, Young's modulus or strength of a coupon are none that films have: a dimension or a unit is wrong";
             remedy "check `--thickness`, `--width`, `--gauge` and the units of the channels";
-            message "the {what} of {} is {} {unit}, films have {} to {} {unit}", shown(paths).join("; "), listed(found, 2),
+            message "the {what} of {} is {} {unit}, films have {} to {} {unit}", shown(paths).join("; "), each(found, 2),
                 significant(likely[0], 4), significant(likely[1], 4);
         SpeedStatedOtherwise {
             paths: Vec<PathBuf>, "the recordings" => "files" = shown(paths);
@@ -372,14 +374,14 @@ fn shown(paths: &[PathBuf]) -> Vec<String> {
     paths.iter().map(|path| shown_path(path)).collect()
 }
 
-/// Speeds, each once.
-fn speeds(speeds: &[f64]) -> String {
-    listed(speeds, 3)
+/// Values with so many digits, as many as there are.
+fn each(values: &[f64], digits: usize) -> String {
+    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(", ")
 }
 
-/// Values with so many digits; of equal neighbours one.
-fn listed(values: &[f64], digits: usize) -> String {
-    let mut words: Vec<String> = values.iter().map(|value| significant(*value, digits)).collect();
+/// Speeds, each once.
+fn speeds(speeds: &[f64]) -> String {
+    let mut words: Vec<String> = speeds.iter().map(|speed| significant(*speed, 3)).collect();
     words.dedup();
     words.join(", ")
 }

@@ -180,7 +180,7 @@ pub(crate) struct DropArgs {
     #[arg(long, value_name = "SPEED", value_parser = |text: &str| quantity(Velocity::DIMENSION, text))]
     pub speed: Option<f64>,
     /// Time of first contact on the recording's clock where it is known, e.g. "617.3 ms"
-    #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub contact_time: Option<f64>,
     /// Friction of the guide where it was measured, with its standard deviation, e.g. "2 N +- 0.3 N"; without that, a
     /// tenth of it
@@ -190,7 +190,7 @@ pub(crate) struct DropArgs {
     #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub bridge: Option<f64>,
     /// Replace the acceleration between two times by a straight line, e.g. "212 ms..215 ms"; several times
-    #[arg(long, value_name = "FROM..TO", value_parser = interval)]
+    #[arg(long, value_name = "FROM..TO", value_parser = interval, allow_hyphen_values = true)]
     pub mask: Vec<[f64; 2]>,
     /// The channel of the accelerometer, where there are several
     #[arg(long, value_name = "NAME")]
@@ -220,7 +220,7 @@ pub(crate) struct DropArgs {
     #[arg(long, value_enum, default_value_t = Method::Coupling)]
     pub correction: Method,
     /// Time constant of the accelerometer's coupling where it is known, e.g. "150 ms"
-    #[arg(long, value_name = "TIME", value_parser = |text: &str| quantity(Time::DIMENSION, text))]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = |text: &str| quantity(Time::DIMENSION, text))]
     pub time_constant: Option<f64>,
     /// Table to write, FILE.csv: of one recording its reduced signals from contact on, of several a row each
     #[arg(short, long, value_name = "FILE")]

@@ -138,7 +138,6 @@ impl Explained {
         let recorded = Recorded::find(reading, laser, tower.body.gravity)?;
         let known = Known::new(tower, reduction, step);
         let mut explained = explain(recorded, known, tower, laser.is_some())?;
-        explained.compare_laser(tower.body.gravity);
         let Explained { known, recorded, fit, .. } = &explained;
         let model = recorded.model(known, tower.body.gravity);
         let [contact, _] = model.contact(&fit.best);
@@ -158,32 +157,39 @@ impl Explained {
                  are others"
             ));
         }
+        explained.compare_laser(tower.body.gravity);
         Ok(explained)
     }
 
-    /// Finds the contact without the laser, and keeps that where both differ by more than their errors.
+    /// Keeps the fit without the laser where the contacts of both differ by more than their errors.
     fn compare_laser(&mut self, gravity: f64) {
+        let made = self.blind.take();
         let Explained { known, recorded, fit, .. } = &*self;
         let is_known = known.height.is_some() || known.speed.is_some() || known.contact_time.is_some();
-        if !(recorded.has_laser() && is_known) {
+        if !is_known {
             return;
         }
-        let blind = recorded.clone().without_laser();
-        let Some(other) = Fit::find(&blind.model(known, gravity), &blind.first_guess(known, gravity)) else { return };
+        let Some((blind, other)) = made.or_else(|| blind(recorded, known, gravity)) else { return };
         let contact_of = |recorded: &Recorded, fit: &Fit| {
             let model = recorded.model(known, gravity);
             [model.contact(&fit.best)[0], deviations(&model, fit)[2]]
         };
         let [[laser, of_laser], [force, of_force]] = [contact_of(recorded, fit), contact_of(&blind, &other)];
         if (laser - force).abs() > CONTACT_APART.max(CONTACT_DEVIATIONS * of_laser.hypot(of_force)) {
-            self.disagreement.get_or_insert(Warning::LaserContactDiffers { laser, force });
             self.blind = Some((blind, other));
         }
     }
 }
 
+/// The recording without its laser and the fit of that; none where there is no laser.
+fn blind(recorded: &Recorded, known: &Known, gravity: f64) -> Option<(Recorded, Fit)> {
+    let blind = recorded.has_laser().then(|| recorded.clone().without_laser())?;
+    let fit = Fit::find(&blind.model(known, gravity), &blind.first_guess(known, gravity))?;
+    Some((blind, fit))
+}
+
 /// Fits the recording with all that is known; where that contradicts it, without the height or the laser if both are
-/// there.
+/// there. In one piece, since every step weighs the same three fits.
 fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) -> Result<Explained, Error> {
     let gravity = tower.body.gravity;
     let no_fit = || {
@@ -206,23 +212,23 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
     let friction = known.friction.or(Some(ANY_FRICTION));
     let unknown = Known { height: None, speed: None, contact_time: None, friction, ..known };
     let free = fit(&recorded, &unknown).ok_or_else(no_fit)?;
-    let blind = recorded.has_laser().then(|| recorded.clone().without_laser());
-    let without_laser = blind.as_ref().and_then(|blind| fit(blind, &known));
+    let mut blind = blind(&recorded, &known, gravity);
     // What is left of the best of them is noise.
-    let colour = without_laser.iter().map(|fit| fit.colour).fold(free.colour.min(all.colour), f64::min);
+    let colour = blind.iter().map(|(_, fit)| fit.colour).fold(free.colour.min(all.colour), f64::min);
     let evidence =
         |recorded: &Recorded, known: &Known, fit: &Fit| recorded.model(known, gravity).evidence(&fit.best) / colour;
     let of_all = evidence(&recorded, &known, &all);
     let excess = of_all - evidence(&recorded, &unknown, &free);
     let model = recorded.model(&unknown, gravity);
     let [contact, speed] = model.contact(&free.best);
-    if let Some((blind, without)) = blind.zip(without_laser) {
-        let gained = of_all - evidence(&blind, &known, &without) - recorded.laser_rows() as f64 / colour;
-        if gained > excess.max(0.0) + CONTRADICTS {
-            let reached = blind.model(&known, gravity).contact(&without.best)[1];
-            let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
-            return Ok(Explained { known, recorded: blind, fit: without, blind: None, disagreement });
-        }
+    let contradicts = |(blind, without): &mut (Recorded, Fit)| {
+        let gained = of_all - evidence(blind, &known, without) - recorded.laser_rows() as f64 / colour;
+        gained > excess.max(0.0) + CONTRADICTS
+    };
+    if let Some((blind, without)) = blind.take_if(contradicts) {
+        let reached = blind.model(&known, gravity).contact(&without.best)[1];
+        let disagreement = Some(Warning::LaserSpeedDiffers { reached, laser: speed });
+        return Ok(Explained { known, recorded: blind, fit: without, blind: None, disagreement });
     }
     let deviations = deviations(&model, &free);
     let stated = [
@@ -236,7 +242,7 @@ fn explain(recorded: Recorded, known: Known, tower: &Tower, sees_laser: bool) ->
     };
     let other = stated.into_iter().flatten().find(differs).filter(|_| excess > CONTRADICTS);
     match other {
-        None => Ok(Explained { known, recorded, fit: all, blind: None, disagreement: None }),
+        None => Ok(Explained { known, recorded, fit: all, blind, disagreement: None }),
         Some((what, unit, found, _, stated)) if recorded.has_laser() => {
             let disagreement = Some(Warning::DropHeightDiffers { what, unit, found, stated });
             Ok(Explained { known: unknown, recorded, fit: free, blind: None, disagreement })
@@ -317,9 +323,14 @@ pub(super) fn finish(
     let is_whole = clipping.is_none();
     let draws = fit.draws(model);
     let intervals = ramp.is_none().then(|| fit::intervals(recorded, model, fit, &draws, body)).flatten();
-    let other = blind.as_ref().and_then(|(recorded, fit)| {
+    let other = blind.as_ref().filter(|_| intervals.is_some()).and_then(|(recorded, fit)| {
         let model = recorded.model(known, body.gravity);
         fit::intervals(recorded, &model, fit, &fit.draws(&model), body)
+    });
+    let contact_differs = blind.as_ref().map(|(recorded, fit)| Warning::LaserContactDiffers {
+        laser: time,
+        force: recorded.model(known, body.gravity).contact(&fit.best)[0],
+        held: other.is_some(),
     });
     let intervals = intervals.map(|all| other.iter().fold(all, Intervals::with));
     // The figures are of the whole reading, the intervals of its means; what there is no figure of has none.
@@ -350,7 +361,7 @@ pub(super) fn finish(
         recorded.held_laser(),
         clipping.map(|clipping| saturated(&clipping, &signals)),
     ];
-    let warnings = [of_rate, disagreement.clone()].into_iter().chain(warnings).flatten().collect();
+    let warnings = [of_rate, disagreement.clone(), contact_differs].into_iter().chain(warnings).flatten().collect();
     let mut drop = Drop {
         release: best[of::RELEASE],
         contact,

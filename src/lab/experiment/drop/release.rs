@@ -57,7 +57,8 @@ pub struct Release {
 }
 
 impl Release {
-    /// Finds the landmarks in a complete `reading` (m/s²) on equal steps, under `gravity` (m/s²).
+    /// Finds the landmarks in a complete `reading` (m/s²) on equal steps, under `gravity` (m/s²). In one
+    /// piece, since each refusal states what was found before it.
     pub fn find(reading: &Series, gravity: f64) -> Result<Release, Error> {
         let smooth = smoothed(reading)?;
         let (time, values) = (smooth.time(), smooth.values());
@@ -109,7 +110,8 @@ impl Release {
                  at most"
             )
             .with_hint(format!(
-                "{BEGINS_WITH_REST}; a knock at rest is left out by --mask \"{:.0} ms..{:.0} ms\"",
+                "{BEGINS_WITH_REST}; if the peak at {:.4} s is a knock and not the impact, leave it out: --mask \"{:.0} ms..{:.0} ms\"",
+                time[first_peak],
                 1e3 * (impact - AROUND_KNOCK),
                 1e3 * (time[first_peak] + AROUND_KNOCK)
             ))

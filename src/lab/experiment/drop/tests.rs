@@ -476,7 +476,7 @@ fn a_laser_that_the_force_contradicts_is_reported_and_intervals_hold_both() {
         let laser = laser.with_values(laser.values().iter().map(|place| place + off).collect());
         let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &Reduction::default()).unwrap();
         let differs = drop.warnings.iter().find_map(|warning| match warning {
-            Warning::LaserContactDiffers { laser, force } => Some(laser - force),
+            Warning::LaserContactDiffers { laser, force, held: true } => Some(laser - force),
             _ => None,
         });
         let differs = differs.unwrap_or_else(|| panic!("{:?}", drop.warnings));
@@ -485,6 +485,11 @@ fn a_laser_that_the_force_contradicts_is_reported_and_intervals_hold_both() {
         // 95 %, so that one of twenty misses the truth, by less than the laser alone does.
         assert!((early - 1e-4..late + 1e-4).contains(&contact_time), "{early} to {late} for {contact_time}");
         assert!((0.998 * slow..1.002 * fast).contains(&SPEED), "{slow} to {fast}");
+        // The ramp has no intervals.
+        let ramp = Reduction { correction: Correction::Ramp, ..Reduction::default() };
+        let drop = reduce(&reading(&recording), Some(&laser), &TOWER, &ramp).unwrap();
+        let messages = drop.warnings.iter().map(Warning::to_string).collect::<String>();
+        assert!(messages.contains("the contact that the laser shows") && !messages.contains("hold both"), "{messages}");
     }
 }
 
