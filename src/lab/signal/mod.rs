@@ -30,6 +30,6 @@ pub mod workbook;
 pub use annotations::Annotations;
 pub use measurement::{ChannelSelection, MOST_VALUES, MeasuredChannel, Measurement, ReadOptions};
 pub(crate) use measurement::{ambiguous, check_dimension, missing, with_unit};
-pub(crate) use series::interpolated;
 pub use series::{Channel, Recording, Series};
+pub(crate) use series::{flat_top, interpolated, quantum};
 pub use warning::{CODES, FILTERED_BEFORE, VIRTUAL_RECORDING, Warning};

@@ -99,6 +99,34 @@ pub(crate) fn interpolated(time: &[f64], values: &[f64], t: f64) -> Option<f64> 
     Some(values[before] + share * (values[after] - values[before])).filter(|v| v.is_finite())
 }
 
+/// Fewest equal samples in a row that are a flat top.
+const FEWEST_EQUAL: usize = 5;
+/// Share of all that was read below which two values are the same but for the rounding of their units.
+const ROUNDING: f64 = 1e-9;
+
+/// First and last place of the longest run of samples at exactly the largest of the `values`; none where it is short.
+pub(crate) fn flat_top(values: &[f64]) -> Option<[usize; 2]> {
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let runs = values.chunk_by(|a, b| a == b).scan(0, |first, run| {
+        *first += run.len();
+        Some([*first - run.len(), *first - 1])
+    });
+    let flat = runs.filter(|[first, last]| values[*first] == most && last - first + 1 >= FEWEST_EQUAL);
+    flat.max_by_key(|[first, last]| last - first)
+}
+
+/// The smallest distance of two of the `values`, beyond their rounding: one step of the converter.
+///
+/// The top of a pulse is a parabola whose width grows with the root of the depth below it, so that a step q holds a
+/// reading of level L, of width w at L/2, for w √(2q/L).
+pub(crate) fn quantum(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rounding = ROUNDING * sorted.last().zip(sorted.first()).map_or(0.0, |(most, least)| most - least);
+    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| *step > rounding).fold(f64::INFINITY, f64::min)
+}
+
 /// One measured or computed quantity over the common time axis of its [`Recording`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {

@@ -11,6 +11,7 @@ use base::units::{
     Density, EnergyPerArea, HeatCapacity, Length, MolarEnergy, Pressure, Rate, SharePerTemperature, Temperature,
     TemperatureDifference, Time,
 };
+use lab::experiment::coupon::LIKELY_THICKNESS;
 
 keys! {
     /// Material of one layer of film.
@@ -29,7 +30,7 @@ keys! {
         /// Mass per volume of the stress-free film.
         density: Density, above 0, to 1e5, likely [20.0, 25e3], title "Density of the film";
         /// Thickness of one layer.
-        thickness: Length, above 0, to 0.1, likely [1e-6, 2e-3];
+        thickness: Length, above 0, to 0.1, likely LIKELY_THICKNESS;
         /// Two fibre sets at 90° and a shear curve; a slack fibre carries no stress.
         fabric: Option<Fabric>;
         /// St. Venant–Kirchhoff, plane stress.

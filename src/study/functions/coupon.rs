@@ -9,13 +9,14 @@ use serde_json::json;
 use crate::script::{
     self, Compared, HostResult, Options, Session, list, number, numbers, record, refuse, refuse_hinted, shown,
 };
+use base::finding::Finding;
 use base::units::{Length, Mass, Velocity};
 use lab::Error;
 use lab::experiment::coupon::average::{SampleStatistics, mean_curve, mean_law, mean_of_means, relative_difference};
 use lab::experiment::coupon::shear::Shear;
 use lab::experiment::coupon::{
     BREAK_SHARE, Coupon, CouponReader, CouponTest, Curve, CurveEnd, DirectionMeans, Fibres, LoadCell, Machine,
-    Reduction, Rules, Rupture, Sample, ShearMethod, SpeedMeans, WINDOW, relative_residuals, yield_points,
+    Reduction, Rules, Rupture, Sample, ShearMethod, SpeedMeans, WINDOW, doubts, relative_residuals, yield_points,
 };
 use lab::signal::Series;
 use membrane::material;
@@ -109,10 +110,12 @@ fn read_all(session: &Session, pattern: &str, coupon: Coupon, given: &Map) -> Ho
     let read = |path: &PathBuf| {
         let recorded = reading.read_all(path)?;
         session.add_recording(path, recorded.iter().any(|test| test.sample.is_virtual));
-        Ok::<Array, Error>(recorded.iter().map(|test| recorded_map(test).into()).collect())
+        Ok(recorded)
     };
-    let read = paths.iter().map(read).collect::<Result<Vec<Array>, Error>>().map(|arrays| arrays.concat());
-    read.map_err(|error| refuse_hinted(&error, error.hint()))
+    let read = paths.iter().map(read).collect::<Result<Vec<_>, Error>>();
+    let tests = read.map_err(|error| refuse_hinted(&error, error.hint()))?.concat();
+    session.report(doubts(&tests).iter().map(Finding::new));
+    Ok(tests.iter().map(|test| recorded_map(test).into()).collect())
 }
 
 /// The rules of a reduction from its options: `window`, `break_share`, `toe_compensation`.
@@ -248,7 +251,7 @@ fn slope(curve: &Curve, window: [f64; 2]) -> HostResult<f64> {
 }
 
 fn toe_compensated(curve: &mut Curve, window: Dynamic) -> HostResult<Curve> {
-    let line = curve.modulus(script::window(&window)?).map_err(refuse)?;
+    let line = curve.steepest(script::window(&window)?).map_err(refuse)?;
     Ok(curve.toe_compensated(line.slope, line.intercept))
 }
 
@@ -276,4 +279,28 @@ fn mean_of_groups(groups: &[Dynamic]) -> HostResult<f64> {
         None => Err(refuse!("expected a list of figures, found {}", item.type_name())),
     };
     mean_of_means(&groups.iter().map(group).collect::<HostResult<Vec<_>>>()?).map_err(refuse)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::functions::tests::engine;
+    use crate::script::{OutputCollector, Session};
+
+    #[test]
+    fn doubts_about_the_recordings_of_every_call_are_findings() {
+        let folder = tempfile::tempdir().unwrap();
+        let (engine, collector) = (engine(), OutputCollector::new(vec![]));
+        Session::of_engine(&engine).report_to(&collector);
+        let rows: String = (0..40).map(|row| format!("{},{}\n", 0.1 * f64::from(row), row.min(20))).collect();
+        let mut script = "let c = coupon(#{ gauge: \"50 mm\", width: \"10 mm\", thickness: \"50 um\" });".to_owned();
+        for name in ["md-0.02-1.csv", "td-0.02-1.csv"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, format!("displacement [mm],force [N]\n{rows}")).unwrap();
+            script += &format!("read_coupons({path:?}, c); read_coupons({path:?}, c);");
+        }
+        engine.run(&script).unwrap();
+        let found = collector.output().findings;
+        let codes: Vec<&str> = found.iter().map(|finding| finding.code.as_str()).collect();
+        assert_eq!(codes, ["saturated-load-cell"; 2]);
+    }
 }

@@ -373,6 +373,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
+    use base::diagnostic::file_name;
     use rhai::Scope;
 
     use super::*;
@@ -401,8 +402,8 @@ fn bad(x) {\n    x.nosuch\n}\nfn call_with(f) { f.call(1) }\n";
 
     /// The faults, each with the name of its file.
     fn told(files: &[(&str, &str)], text: &str) -> Vec<String> {
-        let name = |fault: &Fault| fault.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let told = |fault: Fault| format!("{}:{}:{}: {}", name(&fault), fault.line, fault.column, fault.message);
+        let told =
+            |fault: Fault| format!("{}:{}:{}: {}", file_name(&fault.file), fault.line, fault.column, fault.message);
         run(files, text).expect_err(text).into_iter().map(told).collect()
     }
 

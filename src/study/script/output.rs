@@ -214,10 +214,12 @@ impl OutputCollector {
         Ok(())
     }
 
-    /// Adds a finding of the host, unless there is one of the same code and key, or there are too many.
+    /// Adds a finding of the host, unless there is one of the same code, key, files and figure, or there are too many.
     pub(crate) fn report_once(&self, finding: Finding) {
-        let same =
-            |other: &Finding| other.code == finding.code && other.figures.get("key") == finding.figures.get("key");
+        let same = |other: &Finding| {
+            let is_same = |name: &str| other.figures.get(name) == finding.figures.get(name);
+            other.code == finding.code && ["key", "files", "what"].into_iter().all(is_same)
+        };
         if !self.lock().findings.iter().any(same) {
             // Too many findings are an error of the script that gives them.
             let _ = self.report(finding);

@@ -90,8 +90,8 @@ impl Session {
         *base::lock(&self.output) = Some(collector.clone());
     }
 
-    /// Reports findings of a scenario that the script reads or changes, each kind once of a key. Those of the trials of
-    /// a search are left out: their number and order depend on the threads.
+    /// Reports findings of a scenario or of recordings that the script reads, each kind once of a key or of files. Those of
+    /// the trials of a search are left out: their number and order depend on the threads.
     pub fn report(&self, findings: impl IntoIterator<Item = Finding>) {
         let output = base::lock(&self.output).clone();
         if let Some(output) = output.filter(|_| !self.is_trial()) {

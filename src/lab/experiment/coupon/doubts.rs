@@ -3,10 +3,12 @@
 
 use std::path::PathBuf;
 
-use super::yield_points::line;
+use super::yield_points::{check_window, line};
 use super::{CouponTest, Curve, CurveEnd, Modulus, Rupture};
+use crate::error::{Error, refusal};
 use crate::experiment::Warning;
-use crate::experiment::drop::quantum;
+use crate::signal::{flat_top, quantum};
+use base::number::significant;
 
 /// Length of the line of the steepest part, over that of the modulus' window; the whole where that has too few samples.
 const SHARES: [f64; 2] = [0.5, 1.0];
@@ -29,9 +31,20 @@ const CHANGES: f64 = 0.05;
 impl Curve {
     /// The line of the steepest part of the first rise, by which ISO 527-1 and ASTM D882 compensate a toe: the first stretch,
     /// half as long as the `window` of the modulus, that is as steep as any up to where half of the slope is lost.
-    pub fn steepest(&self, [from, to]: [f64; 2]) -> Option<Modulus> {
+    ///
+    /// # Errors
+    /// No window of strain, or no stretch that has enough samples that rise by more than they scatter.
+    pub fn steepest(&self, [from, to]: [f64; 2]) -> Result<Modulus, Error> {
+        check_window([from, to])?;
         let width = (to - from).clamp(0.0, self.range()[1] - self.range()[0]);
-        SHARES.into_iter().find_map(|share| self.steepest_over(share * width))
+        let found = SHARES.into_iter().find_map(|share| self.steepest_over(share * width));
+        found.ok_or_else(|| {
+            refusal!(
+                "no toe is compensated: no {FEWEST_STEEP} samples of the first rise within a strain of {} lie along a rising line",
+                significant(width, 3)
+            )
+            .with_hint("give other strains by --window, or leave out --toe")
+        })
     }
 
     fn steepest_over(&self, width: f64) -> Option<Modulus> {
@@ -68,27 +81,25 @@ impl Curve {
 
     /// The slack before the rise, where it changes the modulus between the strains of `window`, which is `modulus` with it.
     pub(super) fn slack(&self, window: [f64; 2], modulus: &Modulus) -> Option<Slack> {
-        let steepest = self.steepest(window)?;
+        let steepest = self.steepest(window).ok()?;
         let strain = -steepest.intercept / steepest.slope;
         let [start, _] = self.range();
         let width = SHARES[0] * (window[1] - window[0]);
         let first = self.line_between([start, start + width]).map_or(modulus.slope, |(line, _)| line.slope);
+        if first >= SLACK * steepest.slope {
+            return None;
+        }
         let whole = self.toe_compensated(steepest.slope, steepest.intercept).modulus(window).ok()?;
-        let is_slack = first < SLACK * steepest.slope && whole.slope > (1.0 + CHANGES) * modulus.slope;
+        let is_slack = whole.slope > (1.0 + CHANGES) * modulus.slope;
         is_slack.then_some(Slack { strain, modulus: whole.slope })
     }
 
     /// The largest stress (Pa), where samples in a row are exactly that which a curve that bends would not have so often.
     pub(super) fn saturated(&self) -> Option<f64> {
         let stress = self.stress();
-        let most = stress.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let runs = stress.chunk_by(|a, b| a == b).scan(0, |first, run| {
-            *first += run.len();
-            Some([*first - run.len(), run.len()])
-        });
-        let [first, count] = runs.filter(|[first, _]| stress[*first] == most).max_by_key(|[_, count]| *count)?;
-        let rise = most - stress[first.saturating_sub(count)];
-        (count >= FEWEST_EQUAL && rise > BEYOND_STEPS * quantum(stress)).then_some(most)
+        let [first, last] = flat_top(stress)?;
+        let rise = stress[first] - stress[first.saturating_sub(last - first + 1)];
+        (rise > RISES_BY_STEPS * quantum(stress)).then_some(stress[first])
     }
 
     /// Stress (Pa) that is left after the break and stays.
@@ -97,7 +108,7 @@ impl Curve {
         let after = &self.stress()[broken..];
         // The first half may belong to the fall.
         let left = &after[after.len() / 2..];
-        if rupture.ending != CurveEnd::Broke || left.len() < FEWEST_EQUAL {
+        if rupture.ending != CurveEnd::Broke || left.len() < FEWEST_LEFT {
             return None;
         }
         let mean = left.iter().sum::<f64>() / left.len() as f64;
@@ -106,11 +117,11 @@ impl Curve {
     }
 }
 
-/// Fewest equal samples in a row that count.
-const FEWEST_EQUAL: usize = 5;
+/// Fewest samples after a break that count.
+const FEWEST_LEFT: usize = 5;
 /// Steps of the recorder by which stress rises over as many samples before a saturated run at least: the top of a smooth curve
 /// stays within one step for so long that it rose by four over as long before.
-const BEYOND_STEPS: f64 = 8.0;
+const RISES_BY_STEPS: f64 = 8.0;
 /// Share of the strength that is left after a break at least.
 const LEFT: f64 = 0.02;
 
@@ -123,11 +134,14 @@ pub struct Slack {
     pub modulus: f64,
 }
 
-/// Thickness (m), Young's modulus and strength (Pa) that films have; the first as scenarios take it.
-const LIKELY: [(&str, &str, f64, [f64; 2]); 3] = [
-    ("thickness", "mm", 1e3, [1e-6, 2e-3]),
-    ("Young's modulus", "MPa", 1e-6, [1e6, 1e11]),
-    ("strength", "MPa", 1e-6, [1e5, 1e10]),
+/// Thickness that films have, m.
+pub const LIKELY_THICKNESS: [f64; 2] = [1e-6, 2e-3];
+
+/// What films have of some figures of coupons, in SI units, with the unit that is shown and the factor to it.
+const LIKELY: [(&str, fn(&CouponTest) -> f64, [f64; 2], &str, f64); 3] = [
+    ("thickness", |test| test.coupon.thickness(), LIKELY_THICKNESS, "mm", 1e3),
+    ("Young's modulus", |test| test.sample.modulus.slope, [1e6, 1e11], "MPa", 1e-6),
+    ("strength", |test| test.sample.rupture.strength, [1e5, 1e10], "MPa", 1e-6),
 ];
 
 /// The doubts about `tests`, each once with all recordings that it is about.
@@ -147,10 +161,7 @@ pub fn doubts(tests: &[CouponTest]) -> Vec<Warning> {
     let saturated = saturated.map(|(paths, forces)| Warning::SaturatedLoadCell { paths, forces });
     let left = of(&|test| Some(test.sample.after_break? * test.coupon.area()));
     let left = left.map(|(paths, forces)| Warning::ForceAfterBreak { paths, forces });
-    let implausible = LIKELY.into_iter().enumerate().filter_map(|(place, (what, unit, factor, [least, most]))| {
-        let figure = |test: &CouponTest| {
-            [test.coupon.thickness(), test.sample.modulus.slope, test.sample.rupture.strength][place]
-        };
+    let implausible = LIKELY.into_iter().filter_map(|(what, figure, [least, most], unit, factor)| {
         let is_likely = |value: &f64| (least..=most).contains(value);
         let (paths, found) = of(&|test| Some(figure(test)).filter(|value| !is_likely(value)))?;
         let found = found.iter().map(|value| factor * value).collect();
@@ -161,7 +172,7 @@ pub fn doubts(tests: &[CouponTest]) -> Vec<Warning> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Direction, Rules, Sample};
+    use super::super::{Coupon, Direction, Rules, Sample};
     use super::*;
 
     const GAUGE: f64 = 0.05;
@@ -245,5 +256,37 @@ mod tests {
         assert!((found / 2.7e6 - 1.0).abs() < 0.02, "{found}");
         assert!(left(-2.7e6, 0.0).is_some());
         assert_eq!([left(0.13e6, 0.04e6), left(0.0, 0.04e6)], [None; 2]);
+    }
+
+    #[test]
+    fn every_doubt_names_its_recordings_and_a_figure_of_each() {
+        let test = |path: &str, thickness: f64, sample: Sample| {
+            let coupon = Coupon::new(GAUGE, 10e-3, thickness).unwrap();
+            CouponTest { path: path.into(), sample, merged: 0, coupon, measured: None, specimen: None }
+        };
+        let sound = sample(&recorded(0.0, bilinear, 0.0, 0.0), false);
+        let slack = Some(Slack { strain: 0.01, modulus: 160e6 });
+        let doubtful = Sample { slack, saturated: Some(20e6), after_break: Some(2e6), ..sound.clone() };
+        let thick = Sample { saturated: Some(0.2e6), ..sound };
+        let found = doubts(&[test("a.csv", 50e-6, doubtful), test("b.csv", 5e-3, thick)]);
+        let found: Vec<String> = found.iter().map(Warning::to_string).collect();
+        for (found, [begins, ends]) in found.iter().zip([
+            ["a.csv has slack at the start: the modulus is 150.0 MPa", "with --toe 160.0 MPa"],
+            ["the force stays at its largest value, 10, 10 N", ": a.csv; b.csv"],
+            ["1 N stay after the break", ": a.csv"],
+            ["the thickness of b.csv is 5 mm", "films have 0.001 to 2 mm"],
+        ]) {
+            assert!(found.starts_with(begins) && found.ends_with(ends), "{found}");
+        }
+        assert_eq!(found.len(), 4, "{found:?}");
+    }
+
+    #[test]
+    fn a_toe_without_a_rise_to_compensate_it_is_refused() {
+        let few = Curve::new(vec![0.0, 0.02, 0.04, 0.06], vec![0.0, 1e6, 3e6, 4e6]).unwrap();
+        let reduced =
+            |toe_compensation| Sample::new(Direction::Md, 0.01, &few, &Rules { toe_compensation, ..Rules::default() });
+        assert!(reduced(false).is_ok());
+        assert!(reduced(true).unwrap_err().to_string().starts_with("no toe is compensated"));
     }
 }

@@ -14,7 +14,7 @@ mod yield_points;
 
 pub(crate) use curve::too_short;
 pub use curve::{Curve, JITTER, relative_residuals};
-pub use doubts::{Slack, doubts};
+pub use doubts::{LIKELY_THICKNESS, Slack, doubts};
 pub use label::{Direction, FASTEST, Label};
 pub use recording::{
     CouponReader, CouponTest, Dimensions, LoadCell, Machine, SpecimenNote, TensileRecord, join_speeds,

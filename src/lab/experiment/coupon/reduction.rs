@@ -58,7 +58,7 @@ impl Sample {
         }
         let curve = &match rules.toe_compensation {
             true => {
-                let line = curve.steepest(rules.window).map_or_else(|| curve.modulus(rules.window), Ok)?;
+                let line = curve.steepest(rules.window)?;
                 curve.toe_compensated(line.slope, line.intercept)
             }
             false => curve.clone(),

@@ -119,7 +119,7 @@ impl ShearMethod {
     }
 
     /// Strain at which a `curve` that was recorded at 45° comes to the shear `angle`; none where it does not.
-    pub fn strain_at(self, curve: &Curve, fibres: &Fibres<'_>, angle: f64) -> Option<f64> {
+    pub(crate) fn strain_at(self, curve: &Curve, fibres: &Fibres<'_>, angle: f64) -> Option<f64> {
         let reaches = |sample: &[f64; 2]| self.state(fibres, *sample).is_some_and(|[found, _]| found >= angle);
         curve.samples().find(reaches).map(|[strain, _]| strain)
     }
@@ -192,7 +192,7 @@ impl Fibres<'_> {
 impl Fibres<'_> {
     /// Nominal stress (Pa) along a coupon at 45° of these fibres and a `shear` curve at the engineering `strain`, by equation 180:
     /// of one whose sides are free, or whose width `is_held`. None past the break of the fibres, or where they nearly coincide.
-    pub fn coupon_stress(&self, shear: &material::Curve, strain: f64, is_held: bool) -> Option<f64> {
+    pub(crate) fn coupon_stress(&self, shear: &material::Curve, strain: f64, is_held: bool) -> Option<f64> {
         let along = 1.0 + strain;
         // Stretch and stress of the fibres, sine of the shear angle and shear stress at the width.
         let state = |across: f64| {
@@ -200,17 +200,20 @@ impl Fibres<'_> {
             let (fibre, sine) = (squared.sqrt(), 0.5 * (along * along - across * across) / squared);
             (fibre, self.stress(fibre - 1.0), sine, shear.stress(sine.abs().min(1.0).asin()).copysign(sine))
         };
-        let [mut narrow, mut wide] = [0.0, along];
-        for _ in 0..HALVINGS {
-            let across = 0.5 * (narrow + wide);
-            let (fibre, stress, _, tau) = state(across);
-            if 0.5 * stress * across / fibre > tau * along / (fibre * fibre) {
-                wide = across;
-            } else {
-                narrow = across;
+        let free = || {
+            let [mut narrow, mut wide] = [0.0, along];
+            for _ in 0..HALVINGS {
+                let across = 0.5 * (narrow + wide);
+                let (fibre, stress, _, tau) = state(across);
+                if 0.5 * stress * across / fibre > tau * along / (fibre * fibre) {
+                    wide = across;
+                } else {
+                    narrow = across;
+                }
             }
-        }
-        let across = if is_held { 1.0 } else { wide };
+            wide
+        };
+        let across = if is_held { 1.0 } else { free() };
         let (fibre, stress, sine, tau) = state(across);
         let is_whole = fibre - 1.0 <= self.end() && sine.abs() <= LARGEST_SINE;
         is_whole.then(|| 0.5 * stress * along / fibre + tau * across / (fibre * fibre))
@@ -228,9 +231,6 @@ impl Coupon {
     /// # Errors
     /// Samples that make no [`Curve`].
     pub fn shear_by(&self, method: ShearMethod, curve: &Curve, fibres: Fibres) -> Result<Shear, Error> {
-        if method == ShearMethod::Rhombus {
-            return self.shear(curve);
-        }
         let states = curve.samples().map_while(|sample| method.state(&fibres, sample));
         let (mut angle, mut stress): (Vec<f64>, Vec<f64>) = states.map(|[angle, stress]| (angle, stress)).unzip();
         // Fibres that yield may stretch faster than the coupon, whose angle then falls by more than its jitter.

@@ -218,9 +218,7 @@ impl Curve {
     ///
     /// The line need not go through the origin, so that neither an offset of the load cell nor slack changes it.
     pub fn modulus(&self, [from, to]: [f64; 2]) -> Result<Modulus, Error> {
-        if !(from.is_finite() && to.is_finite() && from < to) {
-            return Err(refusal!("expected a window of strain, found {from} to {to}"));
-        }
+        check_window([from, to])?;
         let inside: Vec<[f64; 2]> = self.samples().filter(|[strain, _]| (from..=to).contains(strain)).collect();
         let too_few = || {
             let found = inside.len();
@@ -236,6 +234,12 @@ impl Curve {
              strains by --window, or leave out slack at the start by --toe",
         ))
     }
+}
+
+/// Refuses what is no window of strain.
+pub(super) fn check_window([from, to]: [f64; 2]) -> Result<(), Error> {
+    let is_window = from.is_finite() && to.is_finite() && from < to;
+    is_window.then_some(()).ok_or_else(|| refusal!("expected a window of strain, found {from} to {to}"))
 }
 
 /// The line through `points`; none where they lie at one abscissa.

@@ -6,7 +6,9 @@ use super::result::Drop;
 use super::{Class, Reduction, Tower};
 use crate::error::{Error, refusal};
 use crate::experiment::Warning;
-use crate::signal::{self, Annotations, MeasuredChannel, Measurement, Series, annotations, gap, resample};
+use crate::signal::{
+    self, Annotations, MeasuredChannel, Measurement, Series, annotations, flat_top, gap, quantum, resample,
+};
 use base::diagnostic::listed;
 use base::number::clean_time;
 use base::units::{Acceleration, Dimension, Force, Length, Mass, UnitError};
@@ -181,11 +183,12 @@ pub fn bridged(reading: &Series, longest: f64, masks: &[[f64; 2]]) -> Bridged {
         time.push(from);
         values.push(first);
         let steps = steps(reading.time(), [from, to], step);
-        inserted += missing(&steps);
+        let count = missing(&steps);
         // A hole that would need too many samples stays one.
-        if missing(&steps) == 0.0 || inserted > resample::MOST_SAMPLES as f64 {
+        if count == 0.0 || inserted + count > resample::MOST_SAMPLES as f64 {
             continue;
         }
+        inserted += count;
         let between = between(&steps);
         let is_bridged = outside(&between, [from, to], masks) <= longest * (1.0 + 1e-9);
         gaps.extend(is_bridged.then(|| [from, clean_time(to - from)]));
@@ -255,10 +258,6 @@ const FLAT: f64 = 2e-3;
 const FLAT_SHARE: f64 = 0.1;
 /// So many times the duration for which the steps of the converter hold the reading at the top of a pulse.
 const BEYOND_STEPS: f64 = 2.5;
-/// Share of all that was read below which two values are the same but for the rounding of their units.
-const ROUNDING: f64 = 1e-9;
-/// Fewest samples of such a reading.
-const FEWEST: usize = 5;
 
 /// Samples at the end of the range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,12 +277,7 @@ impl Clipping {
         let impact = reading.window([contact, f64::INFINITY]);
         let [start, level] = impact.largest()?;
         let (time, values) = (impact.time(), impact.values());
-        let runs = values.chunk_by(|a, b| a == b).scan(0, |first, run| {
-            *first += run.len();
-            Some([*first - run.len(), *first - 1])
-        });
-        let flat = runs.filter(|[first, last]| values[*first] == level && last - first + 1 >= FEWEST);
-        let [first, last] = flat.max_by_key(|[first, last]| last - first)?;
+        let [first, last] = flat_top(values)?;
         let duration = time[last] - time[first];
         let width = width(&impact, [first, last], 0.5 * level);
         let explained = width * (2.0 * quantum(reading.values()) / level).sqrt();
@@ -301,18 +295,6 @@ fn width(pulse: &Series, [first, last]: [usize; 2], level: f64) -> f64 {
     let before = values[..first].iter().rposition(|value| *value < level).map_or(0, |below| below + 1);
     let after = values[last..].iter().position(|value| *value < level).map_or(values.len(), |below| last + below);
     time[after - 1] - time[before]
-}
-
-/// The smallest distance of two of the `values`, beyond their rounding: one step of the converter.
-///
-/// The top of a pulse is a parabola whose width grows with the root of the depth below it, so that a step q holds a
-/// reading of level L, of width w at L/2, for w √(2q/L).
-pub(crate) fn quantum(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rounding = ROUNDING * sorted.last().zip(sorted.first()).map_or(0.0, |(most, least)| most - least);
-    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
-    steps.filter(|step| *step > rounding).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
@@ -449,6 +431,8 @@ mod tests {
             let Bridged { series, warning } = bridged(&far, longest, &[mask]);
             assert!(warning.is_none() && series.len() <= far.len() && gap::first(&series).is_some());
         }
+        let short_behind = bridged(&line(&[0.0, 1.0, 2.0, 3.0, 1e12, 1e12 + 3.0]), 5.0, &[]).warning;
+        assert_eq!(short_behind, Some(Warning::GapBridged { count: 1, after: 1e12, duration: 3.0 }));
     }
 
     /// Contact of the pulses, s.

@@ -286,7 +286,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 impl Impact {
     /// The reading restored with these unknowns and integrated from contact on (trapezoidal rule); none without samples
-    /// after it.
+    /// after it. One loop over the samples, since the next impact, which ends it, shows only in what all figures came to.
     fn of(recorded: &Recorded, model: &Model<'_>, u: &Unknowns, body: Body) -> Option<Impact> {
         let [contact, speed] = model.contact(u);
         let (time, values) = (recorded.reading.time(), recorded.reading.values());

@@ -14,7 +14,6 @@ mod tests;
 
 use crate::experiment::absorption::Body;
 
-pub(crate) use channels::quantum;
 pub use channels::{Bridged, ChannelNames, DropChannels, Stated, bridged, longest_gap};
 pub use reduce::reduce;
 pub use release::{GravityRamp, Release};

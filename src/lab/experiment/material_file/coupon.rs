@@ -179,14 +179,13 @@ impl CouponMaterial<'_> {
     fn leaves_coupons(&self, measured: &Curve, fibres: Fibres<'_>, shear: &material::Curve) -> Option<Warning> {
         let angle = shear.end();
         let [_, reached] = measured.range();
-        let strain = self.shear_by.strain_at(measured, &fibres, angle)?;
+        let strain = self.shear_by.strain_at(measured, &fibres, angle).filter(|at| *at < ENDS_EARLY * reached)?;
         let is_held = self.shear_by == ShearMethod::Held;
         let off =
             |[strain, stress]: [f64; 2]| Some([strain, fibres.coupon_stress(shear, strain, is_held)? / stress - 1.0]);
         let beyond = measured.samples().filter(|sample| sample[0] > strain && sample[1] > 0.0);
         let off = beyond.filter_map(off).max_by(|one, other| one[1].abs().total_cmp(&other[1].abs()))?;
-        let is_off = strain < ENDS_EARLY * reached && off[1].abs() > OFF;
-        is_off.then_some(Warning::ShearCurveEnds { angle, strain, reached, off })
+        (off[1].abs() > OFF).then_some(Warning::ShearCurveEnds { angle, strain, reached, off })
     }
 }
 
@@ -252,7 +251,7 @@ fn rising_shear(sheared: &Shear, end: f64) -> Result<Vec<[f64; 2]>, Error> {
                  material must not fall"
             )
             .with_hint(
-                "slack at the start of coupons of any direction does that: --toe; else try --shear-by, other strains by --window, \
+                "slack at the start of coupons of any direction may do that: --toe; else try --shear-by, other strains by --window, \
                  or give a shear curve from elsewhere: --shear FILE",
             ));
         }
