@@ -121,7 +121,7 @@ struct Place<'a> {
     pub depth: usize,
 }
 
-/// Reads the array in `element`, and those within it.
+/// Reads the array in `element`, and those within it. In one piece, since the parts of an array follow each other in the file.
 fn read(elements: &Elements, element: &Element, place: Place, found: &mut Matlab) -> Result<(), Error> {
     if found.listed >= MOST_ARRAYS {
         return Err(too_many(MOST_ARRAYS, "arrays"));

@@ -159,7 +159,7 @@ fn sample_count([from, to]: [f64; 2]) -> Result<usize, Error> {
 }
 
 /// The values at `count` instants between `from` and `to` at [`RATE`]; those of the samples themselves where they lie there.
-/// None where one is not finite.
+/// None where one between samples, which are finite, is too large for a number.
 fn sampled(series: &Series, [from, to]: [f64; 2], count: usize) -> Option<Vec<f64>> {
     if let Some(first) = first_of_rate(series, from) {
         return series.values().get(first..first + count).map(<[f64]>::to_vec);

@@ -351,7 +351,7 @@ struct Minimum {
     stability: Stability,
 }
 
-/// Fits `energy` to the `sets` and predicts the stresses of `predicted`.
+/// Fits `energy` to the `sets` and predicts the stresses of `predicted`. In one piece, since all warnings are of one minimum.
 pub fn fit_law(energy: Energy, sets: &[DataSet], predicted: &[DataSet], options: &FitOptions) -> Result<LawFit, Error> {
     if !sets.iter().any(|set| set.weight > 0.0) {
         return Err(refusal!("no test has a weight above zero"));
