@@ -526,6 +526,7 @@ fn errors_name_the_option_that_helps() {
     assert!(hint(&milliseconds).ends_with("--columns \"time [ms],accel [g]\""));
     let knocked = |[t, v]: [f64; 2]| if (0.045..0.051).contains(&t) { 400.0 } else { v };
     let hint = hint(&of_samples(reading.samples().map(|[t, v]| [t, knocked([t, v])])));
+    assert!(hint.contains("is a knock and not the impact"), "{hint}");
     let mask = hint.split_once("--mask ").expect(&hint).1;
     let times: Vec<f64> =
         mask.trim_matches('"').split("..").map(|time| time.replace(" ms", "").parse().unwrap()).collect();
