@@ -188,7 +188,8 @@ const CENTRAL: f64 = 0.3;
 pub struct Bounds {
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// Unknowns whose coordinate, along which transform and distances are, is the logarithm.
+    /// Unknowns whose coordinate is the logarithm: along it are the transform (levenberg-marquardt, cma-es) and distances
+    /// from bounds, not the simplex of Nelder–Mead, spread starts or steps of differences.
     is_logarithmic: Vec<bool>,
 }
 
@@ -267,9 +268,14 @@ impl Bounds {
     }
 
     /// Width of the interval of an unknown along its coordinate; its size at `x`, at least one, where that is infinite.
-    fn room(&self, index: usize, x: f64) -> f64 {
+    pub(super) fn room(&self, index: usize, x: f64) -> f64 {
         let [lower, upper] = self.ends(index);
         if (upper - lower).is_finite() { upper - lower } else { x.abs().max(1.0) }
+    }
+
+    /// How far apart two values of an unknown are along its coordinate.
+    pub(super) fn apart(&self, index: usize, a: f64, b: f64) -> f64 {
+        (self.coordinate(index, a) - self.coordinate(index, b)).abs()
     }
 
     /// The bound on which an unknown that is `x` lies, or to which it is as close as the transform comes.
@@ -313,8 +319,7 @@ impl Bounds {
     pub fn beside(&self, x: &[f64]) -> Vec<(usize, f64)> {
         let bound = |(index, x): (usize, &f64)| {
             let near = INWARDS * self.room(index, *x);
-            let apart = |bound: f64| (self.coordinate(index, *x) - self.coordinate(index, bound)).abs();
-            let close = self.pair(index).into_iter().find(|bound| apart(*bound) <= near)?;
+            let close = self.pair(index).into_iter().find(|bound| self.apart(index, *x, *bound) <= near)?;
             (close != *x).then_some((index, close))
         };
         x.iter().enumerate().filter_map(bound).collect()

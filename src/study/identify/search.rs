@@ -131,11 +131,15 @@ pub(super) fn left_out_starts(search: &Search, left_out: Vec<(Vec<f64>, String)>
 pub(super) fn disagreement(search: &Search, best: &StartResult, results: &[StartResult]) -> Vec<Warning> {
     let is_higher = |other: &&StartResult| other.f - best.f > (DIFFERENT * best.f.abs()).max(10.0 * search.tol_f);
     let is_elsewhere = |other: &&StartResult| {
-        // Levenberg–Marquardt ends where x changes by less than this share of itself, the others at this distance.
-        let is_relative = search.method == Method::LevenbergMarquardt;
-        let ends_within = |b: f64| 10.0 * search.tol_x * if is_relative { b.abs() } else { 1.0 };
-        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > (DIFFERENT * b.abs()).max(ends_within(*b));
-        !is_higher(other) && other.x.iter().zip(&best.x).any(differs)
+        let differs = |(index, (a, b)): (usize, (&f64, &f64))| {
+            let [apart, size] = match search.method {
+                // It ends where all u together change by less than a share, also one that is zero.
+                Method::LevenbergMarquardt => [search.bounds.apart(index, *a, *b), search.bounds.room(index, *b)],
+                Method::NelderMead | Method::CmaEs => [(a - b).abs(), 1.0],
+            };
+            (a - b).abs() > DIFFERENT * b.abs() && apart > 10.0 * search.tol_x * size
+        };
+        !is_higher(other) && other.x.iter().zip(&best.x).enumerate().any(differs)
     };
     let starts = results.len();
     let values: Vec<f64> = results.iter().filter(is_higher).map(|other| other.f).collect();
@@ -382,6 +386,22 @@ mod tests {
         assert!(best.warnings.iter().any(left_out), "{:?}", best.warnings);
         let given = Search { starts: Starts::Given(vec![vec![7.0]]), ..search };
         assert!(matches!(found(&given, &half, 2), Err(SearchError::Trial { .. })));
+    }
+
+    /// The first has its minimum at (0, 0.7), the second along a line.
+    #[test]
+    fn starts_that_end_elsewhere_are_told_also_beside_zero() {
+        let point = |x: &[f64]| vec![x[0] * (1.0 + x[1] * x[1]), 2.0 * (x[1] - 0.7), 0.3];
+        let line = |x: &[f64]| vec![x[0] + x[1] - 0.7, 0.3];
+        let bounds = Bounds::new(&unnamed(2), Some(vec![-1.0; 2]), Some(vec![1.5; 2])).unwrap();
+        let cases: [(&dyn Objective, bool); 2] = [(&point, false), (&line, true)];
+        for (objective, is_elsewhere) in cases {
+            let method = Search::new(Method::LevenbergMarquardt, vec![0.5, 0.2]);
+            let search = Search { bounds: bounds.clone(), starts: Starts::Spread(6), ..method };
+            let best = found(&search, objective, 1).unwrap();
+            let not_unique = |own: &Warning| matches!(own, Warning::NotUnique { starts: 6, .. });
+            assert_eq!(best.warnings.iter().any(not_unique), is_elsewhere, "{best:?}");
+        }
     }
 
     #[test]
