@@ -120,9 +120,9 @@ impl ScenarioHandle {
         &self.0.plan
     }
 
-    /// How many runs of it and its like were computed before.
-    pub(crate) fn runs_taken(&self) -> usize {
-        self.0.evaluations.as_ref().map_or(0, |all| all.counts()[0])
+    /// How many runs of any scenario were taken from records so far, and how many were computed.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        self.0.evaluations.as_ref().map_or([0; 2], |all| all.counts())
     }
 
     /// The scenario as written, with its changes.

@@ -104,7 +104,10 @@ impl Walk {
     fn table(&mut self, table: &Table, rule: &TableRule, place: &Place) {
         for entry in &table.entries {
             match (rule.key(&entry.key), &rule.others) {
-                (Some(key), _) => self.node(&entry.node, &key.rule, &place.under(entry)),
+                (Some(key), _) => match of_other_table(entry, key, rule) {
+                    Some(hint) => self.report(wrong_kind(&entry.node, &key.rule).hint(hint)),
+                    None => self.node(&entry.node, &key.rule, &place.under(entry)),
+                },
                 (None, Some(others)) => self.node(&entry.node, others, &place.under(entry)),
                 (None, None) if rule.varied => {}
                 (None, None) => self.report(unknown_key(entry, table, rule, place)),
@@ -293,6 +296,15 @@ fn wrong_kind(node: &Node, rule: &Rule) -> Diagnostic {
     }
 }
 
+/// The key that is meant by a table where the key takes none: `layer.count` of a list.
+fn of_other_table(entry: &Entry, key: &Key, rule: &TableRule) -> Option<String> {
+    let Value::Table(written) = &entry.node.value else { return None };
+    let first = &written.entries.first().filter(|_| !key.rule.takes(&entry.node.value))?.key;
+    let has_it = |other: &&Key| other.rule.table().is_some_and(|table| table.key(first).is_some());
+    let name = closest(&entry.key, rule.keys.iter().filter(has_it).map(|other| other.name.as_str()))?;
+    Some(format!("did you mean `{name}.{first}`?"))
+}
+
 fn unknown_word(text: &str, rule: &Rule, place: &Place) -> Diagnostic {
     let words = rule.words();
     let names = words.iter().map(|(word, _)| *word);
@@ -357,8 +369,12 @@ fn first_clause(sentence: &str) -> &str {
 }
 
 fn no_group(rule: &TableRule, place: &Place) -> Diagnostic {
-    let whole = if place.path.is_empty() { "the file".to_owned() } else { format!("`{}`", place.path) };
-    Diagnostic::new(format!("{whole} needs one of {}", list_groups(rule))).at(&place.span)
+    let groups = list_groups(rule);
+    let message = match &*place.path {
+        "" => format!("one of {groups} is missing"),
+        path => format!("`{path}` needs one of {groups}"),
+    };
+    Diagnostic::new(message).at(&place.span)
 }
 
 fn list_groups(rule: &TableRule) -> String {

@@ -254,11 +254,8 @@ impl Calibration {
     /// Predicts scenarios with draws of the posterior, which is sampled first where it was not.
     pub(super) fn predict(&self, scenarios: &Array, options: &Map, session: &Session) -> HostResult<Map> {
         let Parts { plan, around, .. } = &*self.0;
-        let asked = asked(&Options { of: "predict", map: options })?;
         // A scenario that cannot be read is known before the posterior is sampled.
-        let predicted = scenarios.iter().map(|given| self.predicted(given, session));
-        let predicted = predicted.collect::<HostResult<Vec<_>>>()?;
-        predicted.iter().try_for_each(|(_, study)| asked.check_names(study))?;
+        let (asked, predicted) = to_predict(scenarios, options, &around.scenarios, session)?;
         let is_sampled = self.derived().posterior.is_some();
         if !is_sampled {
             drop(self.posterior(&Map::new(), session)?);
@@ -287,18 +284,6 @@ impl Calibration {
             }
         }
         self.tell(derived.predictions.last().into_iter().flat_map(|own| &own.warnings))
-    }
-
-    /// A scenario to predict, or `#{ scenario, name, set }`.
-    fn predicted(&self, given: &Dynamic, session: &Session) -> HostResult<(String, ScenarioHandle)> {
-        let scenarios = &self.0.around.scenarios;
-        let Some(map) = given.clone().try_cast::<Map>() else {
-            let study = scenarios.named(given, session)?;
-            return Ok((study.name().to_owned(), study));
-        };
-        let options = Options::new("a scenario of predict", &map, &["scenario", "name", "set"])?;
-        let study = scenarios.changed(&options, "`set`", session)?;
-        Ok((map.get("name").map_or_else(|| study.name().to_owned(), Dynamic::to_string), study))
     }
 
     /// What each candidate would tell beside the tests.
@@ -410,8 +395,34 @@ fn posterior_options(plan: &Plan, options: &Options<'_>, scattered: &[usize]) ->
     })
 }
 
+/// Scenarios to predict, each itself, its path or `#{ scenario, name, set }`, with their names, and what is asked of
+/// their runs.
+pub(super) fn to_predict(
+    given: &Array,
+    options: &Map,
+    scenarios: &Scenarios,
+    session: &Session,
+) -> HostResult<(Asked, Vec<(String, ScenarioHandle)>)> {
+    let asked = asked(&Options { of: "predict", map: options })?;
+    let one = |given: &Dynamic| -> HostResult<(String, ScenarioHandle)> {
+        let map = given.read_lock::<Map>();
+        let study = match &map {
+            None => scenarios.named(given, session)?,
+            Some(map) => {
+                let options = Options::new("a scenario of predict", map, &["scenario", "name", "set"])?;
+                scenarios.changed(&options, "`set`", session)?
+            }
+        };
+        asked.check_names(&study)?;
+        let name = map.as_ref().and_then(|map| map.get("name"));
+        Ok((name.map_or_else(|| study.name().to_owned(), Dynamic::to_string), study))
+    };
+    let predicted = given.iter().map(one).collect::<HostResult<_>>()?;
+    Ok((asked, predicted))
+}
+
 /// `#{ samples, figures, signals, above, errors, seed }`.
-pub(super) fn asked(options: &Options<'_>) -> HostResult<Asked> {
+fn asked(options: &Options<'_>) -> HostResult<Asked> {
     options.check(&file::predict_options())?;
     let numbers = |name: &str, example: &str| -> HostResult<Vec<(String, f64)>> {
         let Some(given) = options.map.get(name) else { return Ok(Vec::new()) };

@@ -9,11 +9,11 @@ use std::sync::{Arc, LazyLock, Mutex};
 use rhai::{Array, Dynamic, Map};
 use serde_json::Value as Json;
 
-use super::bindings::{Calibration, Surroundings, asked};
+use super::bindings::{Calibration, Surroundings, to_predict};
 use super::plan::Plan;
 use super::recorded_test::found_column;
-use crate::scenario_functions::{ScenarioHandle, Scenarios};
-use crate::script::{self, HostResult, Options, Session, cause, refused_key};
+use crate::scenario_functions::Scenarios;
+use crate::script::{self, HostResult, Session, cause, refused_key};
 use base::diagnostic::{Diagnostic, Source, Span, did_you_mean};
 use base::file;
 use scene::scenario::grammar::{self, TableRule};
@@ -201,9 +201,7 @@ impl StudyFile {
         let candidates = read("candidate", self.candidates.as_ref())?;
         let predicted = read("predict", self.predict.as_ref().map(|(list, _)| list))?;
         if let Some((_, options)) = &self.predict {
-            let asked = asked(&Options { of: "predict", map: options });
-            let mut all = predicted.iter().filter_map(Dynamic::read_lock::<ScenarioHandle>);
-            self.located("predict", asked.and_then(|asked| all.try_for_each(|own| asked.check_names(&own))))?;
+            self.located("predict", to_predict(&predicted, options, scenarios, session).map(drop))?;
         }
         Ok([candidates, predicted])
     }

@@ -70,46 +70,8 @@ impl Fit {
     ///
     /// The roughness of the simulated signals, at the start and after each search, becomes noise of the plan's signals.
     pub(super) fn search(plan: &mut Plan, host: &SearchHost, session: &Session) -> HostResult<Fit> {
-        let mut values = plan.start();
-        let taken = |plan: &Plan| plan.tests.iter().map(|test| test.study.runs_taken()).max();
-        let (begin, before) = (Instant::now(), taken(plan));
-        let simulated = simulated_at(plan, &values, session)?;
-        // Of runs that a former study left, the time says nothing.
-        let first = (taken(plan) == before).then(|| begin.elapsed());
-        host.tell(&beforehand(plan, first));
-        set_simulated(plan, &simulated);
         let mut so_far = SoFar::default();
-        so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
-        let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
-        // Coarse searches from all starts, stage by stage, then one to the minimum: in a curved valley a coarse tolerance ends far
-        // from it.
-        for number in 0..=stages.len() {
-            let stage = &stages[number.min(stages.len() - 1)];
-            if number > 0 && plan.has_contact_errors() {
-                let simulated = simulated_at(plan, &values, session)?;
-                so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
-            }
-            let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
-            let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
-            let is_last = number == stages.len();
-            let name = if is_last {
-                "differences without correlation".into()
-            } else {
-                format!("stage {} of {}", number + 1, stages.len())
-            };
-            let labels = so_far.labels(plan, name);
-            let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
-            so_far.add(&found);
-            // The start that was given counts, and where the last search ends; the coarse ones only lead there.
-            let of_bounds = |own: &&identify::Warning| match own {
-                identify::Warning::OnBound { .. } => true,
-                identify::Warning::StartOnBound { .. } => number > 0,
-                _ => false,
-            };
-            let others = found.warnings.iter().filter(|own| !of_bounds(own));
-            so_far.findings.extend(others.map(Finding::new));
-            values = found.best.x;
-        }
+        let values = stage_by_stage(plan, host, session, &mut so_far)?;
         let (result, simulated, share) = with_what_is_left(plan, values, host, session, &mut so_far)?;
         let values = result.best.x.clone();
         let SoFar { mut findings, phases, iterations, evaluations } = so_far;
@@ -135,6 +97,54 @@ impl Fit {
         findings.extend(runs.iter().map(Finding::new));
         Ok(Fit { result, iterations, evaluations, values, x, share, jacobian, known, simulated, demands, findings })
     }
+}
+
+/// Searches without the correlation of the model's error, from the start of the plan: the best point.
+fn stage_by_stage(plan: &mut Plan, host: &SearchHost, session: &Session, so_far: &mut SoFar) -> HostResult<Vec<f64>> {
+    let mut values = plan.start();
+    let counts = |plan: &Plan| plan.tests.first().map_or([0; 2], |test| test.study.counts());
+    let (begin, before) = (Instant::now(), counts(plan));
+    let simulated = simulated_at(plan, &values, session)?;
+    host.tell(&beforehand(plan, is_timed(before, counts(plan)).then(|| begin.elapsed())));
+    set_simulated(plan, &simulated);
+    so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
+    let stages: Vec<_> = plan.stages.clone().into_iter().chain([plan.last_stage()]).collect();
+    // Coarse searches from all starts, stage by stage, then one to the minimum: in a curved valley a coarse tolerance
+    // ends far from it.
+    for number in 0..=stages.len() {
+        let stage = &stages[number.min(stages.len() - 1)];
+        if number > 0 && plan.has_contact_errors() {
+            let simulated = simulated_at(plan, &values, session)?;
+            so_far.add_findings(&add_contacts(plan, &simulated, &values, session)?);
+        }
+        let smooth = CalibrationObjective::new(plan, plan.first_share().max(LEAST_SMOOTH), session);
+        let objective = CalibrationObjective { stage: stage.clone(), is_plain: true, ..smooth };
+        let is_last = number == stages.len();
+        let name = if is_last {
+            "differences without correlation".into()
+        } else {
+            format!("stage {} of {}", number + 1, stages.len())
+        };
+        let labels = so_far.labels(plan, name);
+        let found = searched(plan, host, &objective, values, [number == 0, is_last], &labels)?;
+        so_far.add(&found);
+        // The start that was given counts, and where the last search ends; the coarse ones only lead there.
+        let of_bounds = |own: &&identify::Warning| match own {
+            identify::Warning::OnBound { .. } => true,
+            identify::Warning::StartOnBound { .. } => number > 0,
+            _ => false,
+        };
+        let others = found.warnings.iter().filter(|own| !of_bounds(own));
+        so_far.findings.extend(others.map(Finding::new));
+        values = found.best.x;
+    }
+    Ok(values)
+}
+
+/// Whether the time of runs says how long others take, by how many were taken and computed before and after them: that
+/// of runs which a former study left does not.
+fn is_timed(before: [usize; 2], after: [usize; 2]) -> bool {
+    after[1] > before[1] || after[0] == before[0]
 }
 
 /// What is ahead: runs, and how long they take by the time of the first run of all tests, where that is known.
@@ -493,4 +503,17 @@ pub(super) fn doubts<'a>(plan: &'a Plan, known: &'a [Knowledge], basis: &'a str)
             Verdict::Determined | Verdict::AtBound(_) => None,
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_timed;
+
+    /// The second of two tests that share a run takes what the first left: that time counts.
+    #[test]
+    fn a_study_of_runs_that_are_kept_has_no_forecast() {
+        for (after, expected) in [([3, 4], true), ([5, 5], true), ([5, 4], false), ([3, 6], true)] {
+            assert_eq!(is_timed([3, 4], after), expected, "{after:?}");
+        }
+    }
 }

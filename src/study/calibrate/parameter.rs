@@ -28,7 +28,7 @@ pub(super) struct Parameter {
     pub(super) start: f64,
     /// Its bounds, where its prior has a density.
     pub(super) within: [f64; 2],
-    /// Whether the search, its uncertainty, and the prior without a distribution are along its logarithm.
+    /// Whether the transform of a search, uncertainty, and the prior without a distribution are along its logarithm.
     pub(super) is_logarithmic: bool,
     /// Distribution before the tests; uniform over the bounds, along the logarithm of a logarithmic one, where there is
     /// none.
@@ -105,7 +105,7 @@ impl Parameter {
         if keys.is_empty() {
             return Err(refuse("`key` names no key"));
         }
-        let (start, unit) = quantity(options.value("start")?)?;
+        let (start, unit) = quantity("start", options.value("start")?)?;
         let ends = options.value("within")?.read_lock::<Array>().map(|list| list.clone());
         let ends = ends.filter(|list| list.len() == 2);
         let ends = ends.ok_or_else(|| refuse("`within` must be an array of two values, such as [0.2, 10]"))?;
@@ -119,7 +119,10 @@ impl Parameter {
         let prior = map.get("prior").map(|given| prior(given, unit.as_deref())).transpose()?;
         let mut of_prior = "";
         if let Some(prior) = &prior {
-            within = [within[0].max(prior.quantile(0.0)), within[1].min(prior.quantile(1.0))];
+            // The quantile of an end that is given is rounded.
+            let (low, high) = prior.ends();
+            let [low, high] = [low.unwrap_or(prior.quantile(0.0)), high.unwrap_or(prior.quantile(1.0))];
+            within = [within[0].max(low), within[1].min(high)];
             of_prior = ", where `prior` has a density";
         }
         let [low, high] = within;
@@ -299,23 +302,23 @@ fn scatter(given: &Dynamic) -> HostResult<[f64; 2]> {
     })
 }
 
-/// A number, or a text of a number and its unit.
-fn quantity(given: &Dynamic) -> HostResult<(f64, Option<String>)> {
+/// A number, or a text of a number and its unit, which messages name `what`.
+fn quantity(what: &str, given: &Dynamic) -> HostResult<(f64, Option<String>)> {
     let (found, unit) = match given.clone().into_string() {
         Ok(text) => {
             let parts = text.trim().split_once(' ');
-            let (number, unit) = parts.ok_or_else(|| refuse!("`{text}` has no unit after a space"))?;
-            let number = number.parse::<f64>().map_err(|_| refuse!("`{text}` begins with no number"))?;
+            let (number, unit) = parts.ok_or_else(|| refuse!("`{what}`: `{text}` has no unit after a space"))?;
+            let number = number.parse::<f64>().map_err(|_| refuse!("`{what}`: `{text}` begins with no number"))?;
             (number, Some(unit.trim().to_owned()))
         }
-        Err(_) => (number(given, "a value")?, None),
+        Err(_) => (number(given, what)?, None),
     };
-    if found.is_finite() { Ok((found, unit)) } else { Err(refuse!("{found} is not finite")) }
+    if found.is_finite() { Ok((found, unit)) } else { Err(refuse!("`{what}`: {found} is not finite")) }
 }
 
 /// A number in the unit of `start`.
 fn number_in(unit: Option<&str>, what: &str, given: &Dynamic) -> HostResult<f64> {
-    let (found, own) = quantity(given)?;
+    let (found, own) = quantity(what, given)?;
     if own.as_deref() == unit {
         return Ok(found);
     }
@@ -329,7 +332,8 @@ fn prior(given: &Dynamic, unit: Option<&str>) -> HostResult<Distribution> {
     let written =
         toml::Value::try_from(without_unit(to_json(given)?, unit)?).map_err(|error| wrong(&error.to_string()))?;
     let tree = parse_tree(&Source::unfiled("prior", format!("prior = {written}")));
-    let tree = tree.map_err(|mistakes| wrong(&mistakes.iter().map(Diagnostic::in_line).collect::<String>()))?;
+    let in_line = |mistakes: Vec<Diagnostic>| mistakes.iter().map(Diagnostic::in_line).collect::<Vec<_>>().join("; ");
+    let tree = tree.map_err(|mistakes| wrong(&in_line(mistakes)))?;
     let node = tree.find("prior").ok_or_else(|| wrong("it is empty"))?;
     scene::model::distribution(node).map_err(|error| wrong(&error))
 }
@@ -503,8 +507,14 @@ mod tests {
         let uniform = of("#{ uniform: [1.5, 1.8] }");
         assert_eq!((uniform.within, uniform.prior_residual(1.5), uniform.is_scored()), ([1.5, 1.8], None, false));
         let normal = of("#{ normal: #{ mean: 1.6, deviation: 0.02 }, truncate: #{ low: 1.2 } }");
-        assert!((normal.within[0] - 1.2).abs() < 1e-12 && normal.within[1] == 2.0, "{normal:?}");
+        assert_eq!(normal.within, [1.2, 2.0]);
         assert!((normal.prior_residual(1.0).unwrap() + 30.0).abs() < 1e-9, "{normal:?}");
+        // A start on an end of which the quantile is rounded inwards.
+        let own = read(
+            r#"#{ key: "a", start: 0.3, within: [0.1, 3],
+            prior: #{ normal: #{ mean: 1, deviation: 0.2 }, truncate: #{ low: 0.3 } } }"#,
+        );
+        assert_eq!(own.unwrap().within, [0.3, 3.0]);
     }
 
     /// Truncated, and in the unit of the start.
@@ -540,6 +550,15 @@ mod tests {
             (
                 r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ normal: #{ mean: "1 mm", deviation: 1 } } }"#,
                 "`prior` has the unit mm and `start` none",
+            ),
+            (r#"#{ key: "a", start: 1, within: ["x", 2] }"#, "parameter `p`: `within`: `x` has no unit after a space"),
+            (
+                r#"#{ key: "a", start: 1, within: [0, 2], prior: #{ normal: #{ mean: 1, deviation: "x" } } }"#,
+                "parameter `p`: `prior`: `x` has no unit after a space",
+            ),
+            (
+                r#"#{ key: "a", start: 1, within: [0, 2], prior: #{} }"#,
+                "`prior`: one of `uniform`, `normal`, `lognormal`, `weibull` is missing",
             ),
             (
                 r#"#{ key: "a", start: 1, within: [0.5, 2], prior: #{ uniform: [1.5, 1.8] } }"#,

@@ -114,7 +114,8 @@ impl Plan {
             return Err(refuse_key("precision", &text, None));
         }
         let keeps_ruptured = options.word("on_rupture", &[("fail", false), ("keep", true)])?.unwrap_or(false);
-        let elements = given.get("mesh").map_or(Ok(Elements::Corrected), elements)?;
+        let known = [("corrected", Elements::Corrected), ("exact", Elements::Exact)];
+        let elements = options.word("mesh", &known)?.unwrap_or(Elements::Corrected);
         let name = given.get("name").map(Dynamic::to_string);
         let mut plan = Plan {
             name,
@@ -563,18 +564,6 @@ fn search(options: &Options<'_>) -> HostResult<(Search, usize)> {
         ..Search::new(method, Vec::new())
     };
     Ok((search, starts))
-}
-
-/// Whether signals are corrected for their elements.
-fn elements(given: &Dynamic) -> HostResult<Elements> {
-    match given.to_string().as_str() {
-        "corrected" => Ok(Elements::Corrected),
-        "exact" => Ok(Elements::Exact),
-        other => {
-            let known = "\"corrected\", or \"exact\" of virtual recordings on the same elements";
-            Err(refuse_key("mesh", &format!("`mesh` must be {known}, not \"{other}\""), None))
-        }
-    }
 }
 
 /// The model's error that an option gives: a share, a map of share and correlation, or "estimated".

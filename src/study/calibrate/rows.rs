@@ -39,13 +39,14 @@ pub(super) fn tests(plan: &Plan, fit: &Fit) -> Vec<Row> {
     for (test, simulated) in plan.tests.iter().zip(&fit.simulated) {
         for (signal, simulated) in test.signals.iter().zip(simulated) {
             let error = signal.errors.relative_error(simulated).ok();
+            let as_simulated = signal.errors.relative_error_as_simulated(simulated).ok();
             let scaled = signal.errors.scaled(simulated).ok();
             let contact = scaled.as_ref().map(|own| signal.errors.contact_found(own, fit.share));
             let shift = |place: usize| contact.filter(|_| signal.errors.contact_errors()[place]).map(|own| own[place]);
             let squares = scaled.map(|own| signal.errors.whitened(&own, fit.share).iter().map(|r| r * r).sum::<f64>());
             rows.push(object(json!({
                 "test": test.name, "signal": signal.name, "relative_error": error,
-                "relative_error_as_simulated": signal.errors.relative_error_as_simulated(simulated).ok(), "noise": signal.errors.noise(),
+                "relative_error_as_simulated": as_simulated, "noise": signal.errors.noise(),
                 "unit": signal.column.unit, "bins": signal.errors.bins(),
                 "mean_square_residual": squares.map(|sum| sum / signal.errors.bins() as f64), "weight": test.weight,
                 "recordings": signal.recordings.len(), "contact_late_s": shift(0), "impact_speed_high_m_s": shift(1),
