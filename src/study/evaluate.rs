@@ -326,8 +326,9 @@ impl Evaluations {
         self.record(keys)?.ok_or_else(damaged)
     }
 
-    /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run that
-    /// another one may want again, for another reference or script, is kept whole.
+    /// The evaluation of `model` by `plan`: from its record, from a whole run that is kept, or computed now. A run with a
+    /// reference or a script, which another one may want for others, is kept whole; one without, which only other
+    /// findings may want, is computed again.
     ///
     /// # Errors
     /// [`EvaluationError`]; a run that fails numerically is an evaluation, one that fails for a cause that may pass is not.

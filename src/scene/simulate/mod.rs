@@ -34,7 +34,7 @@ pub use mount::{rigid_body, section, surface};
 pub use outcome::{Detail, FaceMotion, FaceState, Film, FilmSpring, FilmState, Image, Outcome, Snapshot, SpringDetail};
 pub use pull::{Across, PullError, pull, pull_along, section_between_jaws};
 pub use springs::SpringStep;
-pub use warning::{BodySize, COARSE_CONTACT, CODES, ImpactorName, Warning};
+pub use warning::{BREAK_STRAIN_OF_COUPONS, BodySize, COARSE_CONTACT, CODES, FRAME_HIT, ImpactorName, Warning};
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]

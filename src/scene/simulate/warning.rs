@@ -214,7 +214,7 @@ findings! {
             impactor: ImpactorName, "which one" => ..impactor.figure();
             time: f64, "when it did first, s" => "time_s";
             has_bars: bool, "whether the frame has bars, which it met" => "bars";
-        } = "frame-hit", Warning;
+        } = "frame-hit" as FRAME_HIT, Warning;
             meaning "the impactor hit the frame: with `frame.bars` it meets them with its own restitution, rigidly, so \
                 that peaks from then on are those of a rigid frame; without them the frame is not modelled, so that \
                 the motion from then on is not that of a test";
@@ -387,7 +387,7 @@ findings! {
         BreakStrainOfCoupons {
             broke: bool, "whether film broke" => "broke";
             share: f64, "largest strain of the film over the least break strain of its direction" => "share";
-        } = "break-strain-of-coupons", Note;
+        } = "break-strain-of-coupons" as BREAK_STRAIN_OF_COUPONS, Note;
             meaning "in a drop, film broke or came near the last strain of its curves, which coupons have at the rate of a tensile \
                 machine and under tension in one direction; of two LDPE films, whose darts' failure masses were measured, that strain \
                 would have to be a fifth to three fifths of the coupons', as the dart's friction is (docs/scenarios.md)";

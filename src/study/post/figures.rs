@@ -20,6 +20,7 @@ use base::written::{Reading, capital, digits};
 use lab::signal::column::{self, Column};
 use scene::model::Model;
 use scene::model::loading::Test;
+use scene::simulate::{BREAK_STRAIN_OF_COUPONS, FRAME_HIT};
 
 /// The fields that a summary may have in a script: those of all kinds of loading, then those of every run. Of several
 /// impactors, those of each begin with its name.
@@ -244,7 +245,7 @@ pub fn reached(at: &str, value: f64) -> String {
 pub const LEAST_SHARE: f64 = 0.01;
 
 /// The findings that question whether film holds and what the first figures are of, which stand in the answer.
-const DOUBTS: [&str; 2] = ["break-strain-of-coupons", "frame-hit"];
+const DOUBTS: [&str; 2] = [BREAK_STRAIN_OF_COUPONS.name, FRAME_HIT.name];
 
 /// Most figures of an impactor in a sentence.
 const MOST_TOLD: usize = 3;

@@ -55,7 +55,7 @@ pub struct ReferenceComparison {
 /// Why a file of other columns is reduced.
 const RAW: &str = "the file has no column `acceleration_m_s2`, `acceleration_filtered_m_s2` or `displacement_m` and is \
                    read as a raw recording, from the rest before the release on; of one that begins with contact, `droptower signal \
-                   convert` writes such columns";
+                   convert` writes such columns where its own are called `acceleration [g]` or `displacement [mm]`";
 
 /// Why a window that ends at the lowest point does not end.
 const NO_LOWEST_POINT: &str = "the recording has no lowest point: displacement has gaps, and acceleration does not bring the \
@@ -309,8 +309,8 @@ fn filtered(raw: &Series, model: &Model, path: &Path) -> Result<Series, Error> {
     filter::channel(&even, class, Standard::Iso6487).map_err(wrong)
 }
 
-/// Time of the lowest point of the recording: of the largest travel of the first impact where it was measured throughout, else of the first
-/// sample at which the integral of the acceleration has cancelled the impact velocity.
+/// Time of the lowest point of the recording: of the largest travel of the first impact where it was measured
+/// throughout, else of the first sample at which the integral of the acceleration has cancelled the impact velocity.
 fn time_of_lowest_point(acceleration: Option<&Series>, displacement: Option<&Series>, model: &Model) -> Option<f64> {
     if let Some(complete) = displacement.filter(|d| d.is_complete()) {
         let of_first = complete.samples().take(first_impact(complete.values()));

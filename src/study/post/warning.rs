@@ -13,7 +13,7 @@ use lab::Error;
 use lab::experiment;
 use lab::signal::VIRTUAL_RECORDING;
 use scene::model::Model;
-use scene::simulate::Outcome;
+use scene::simulate::{BREAK_STRAIN_OF_COUPONS, Outcome};
 
 findings! {
     /// A doubt about a comparison: that of a run with its reference, or that of several runs.
@@ -165,7 +165,7 @@ impl Serialize for RunFindings {
 const LEFT_OPEN: [(&str, &str); 3] = [
     ("uncoupled-biaxial", "coupling of MD and TD"),
     ("strain-rate-outside", "strain rates"),
-    ("break-strain-of-coupons", "break strain"),
+    (BREAK_STRAIN_OF_COUPONS.name, "break strain"),
 ];
 
 /// What a finding says of the film's data, whatever the run: terminal and page collect these in one line.
