@@ -150,8 +150,7 @@ def compare(
     """Compares runs with the first of them; `within` names bounds, and a run outside of them raises Failed."""
     places = [str(run.path) if isinstance(run, Run) else _path(run) for run in runs]
     if out is None:
-        named = [Path(place).resolve() for place in places[:2]]
-        out = Path("runs", "-".join(run.name if run.is_dir() else run.stem for run in named) + ".compare")
+        out = Path("runs", "-".join(_names(*map(Path, places[:2]))) + ".compare")
     arguments = ["compare", *places, *_options(out, force, None), "--json"]
     if within is not None:
         arguments += ["--within", _path(within)]
@@ -160,6 +159,14 @@ def compare(
     except Failed as failed:
         raise _differing(failed, "outside", "run") from None
     return Comparison(Path(out))
+
+
+def _names(*runs: Path) -> list[str]:
+    """The shortest ends of the paths that differ, in one word each."""
+    places = [run.resolve() for run in runs]
+    parts = [(place if place.is_dir() else place.with_suffix("")).parts[1:] for place in places]
+    ends = [["_".join(own[-length:]) for own in parts] for length in range(1, max(map(len, parts), default=0) + 1)]
+    return next((names for names in ends if len(set(names)) == len(names)), ends[-1] if ends else [])
 
 
 def export_card(

@@ -12,7 +12,7 @@ use crate::{Failure, Shared, print_figures, terminal};
 use base::diagnostic::{Diagnostic, shown_path};
 use report::compare_page;
 use scene::expectation::{Expectations, Given, Outside, Recorded};
-use study::post::{FAILED_RUN, RunComparison};
+use study::post::{ComparedRun, FAILED_RUN, RunComparison};
 use study::store::{self, Draft, Origin, StoredRun, StoredRunError, run_files};
 
 #[derive(Debug, Args)]
@@ -37,8 +37,8 @@ pub(super) fn run(args: &CompareArgs, shared: &Shared) -> Result<(), Failure> {
     let bounds = args.within.as_deref().map(|path| scenarios::expectations(path, true)).transpose();
     let (runs, bounds) = both(stored(&args.runs), bounds)?;
     check_signals(&runs, &args.signal)?;
-    let place = place(args)?;
     let comparison = RunComparison::from_runs(&runs, &args.signal);
+    let place = place(args, &comparison)?;
     let outside = bounds.as_ref().map(|bounds| outside(bounds, &runs, &comparison));
     let mut summary = comparison.summary();
     summary.insert("answer".into(), compare_page::sentence(&comparison).into());
@@ -104,13 +104,14 @@ fn unreadable(error: &StoredRunError) -> Diagnostic {
 }
 
 /// The folder of the results, which replace neither files of the user nor any of the runs, nor those of other runs or of a script.
-fn place(args: &CompareArgs) -> Result<ResultPlace, Failure> {
-    let name = |run: &PathBuf| {
-        let run = run.canonicalize().unwrap_or_else(|_| run.clone());
-        let name = if run.is_dir() { run.file_name() } else { run.file_stem() };
-        name.unwrap_or_default().to_string_lossy().into_owned()
+fn place(args: &CompareArgs, comparison: &RunComparison) -> Result<ResultPlace, Failure> {
+    // A name may have folders, and that of a file an extension.
+    let name = |run: &ComparedRun| {
+        let name = Path::new(&run.name);
+        let name = if run.place.is_dir() { name.into() } else { name.with_extension("") };
+        name.to_string_lossy().replace(['/', '\\'], "_")
     };
-    let names: Vec<String> = args.runs.iter().take(2).map(name).collect();
+    let names: Vec<String> = comparison.runs.iter().take(2).map(name).collect();
     let out = args.results.folder(&format!("{}.compare", names.join("-")))?;
     store::check_places(std::slice::from_ref(&out))?;
     let replaced = args.runs.iter().find(|run| is_same(run, &out) || run.starts_with(&out));

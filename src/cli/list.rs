@@ -106,15 +106,16 @@ struct Search<F> {
 impl<F: Fn(&str) -> bool> Search<F> {
     fn folder(&mut self, folder: &Path) {
         let found = fs::canonicalize(folder).and_then(|own| match self.known.insert(own) {
+            // Sorted, so that of several links to a folder the same one is taken.
             true => file::entries(folder),
             false => Ok(vec![]),
         });
-        // Sorted, so that of several links to a folder the same one is taken; none that is not UTF-8.
         let found = found.unwrap_or_else(|error| {
             self.mistakes.push(Diagnostic::new(format!("cannot read {}: {error}", shown_path(folder))));
             vec![]
         });
         let is_here = folder == Path::new(".");
+        // None that is not UTF-8.
         let names = found.iter().filter_map(|path| path.file_name()?.to_str());
         for name in names.filter(|name| !name.starts_with('.')) {
             let path = if is_here { name.into() } else { folder.join(name) };

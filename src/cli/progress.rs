@@ -250,7 +250,7 @@ pub(crate) struct SweepBar<'p> {
 
 /// The runs that failed, and when the bar was last renewed.
 struct State {
-    /// Runs that became something.
+    /// Runs with an end: computed, taken from records or refused.
     ended: usize,
     failed: usize,
     refused: usize,

@@ -14,7 +14,7 @@ use crate::live::{Show, Viewer};
 use crate::progress::{Bar, Forecast};
 use crate::scenarios::{Checked, Selection};
 use crate::{Failure, Shared, batch, print_json, print_unless_quiet};
-use base::diagnostic::{Diagnostic, printable};
+use base::diagnostic::{Diagnostic, printable, shown_path};
 use base::file;
 use base::number::duration;
 use membrane::lane::Width;
@@ -187,8 +187,7 @@ fn runs(args: &RunArgs, stop: &Cancellation) -> Result<Runs, Failure> {
     let (mut complete, mut rest) = (vec![], vec![]);
     for (checked, place) in scenarios.into_iter().zip(places) {
         if args.resume
-            && let Some(summary) =
-                complete_summary(&checked, &place).filter(|_| !args.vtu || place.join(run_files::FILM_SERIES).exists())
+            && let Some(summary) = complete_summary(&checked, &place, args.vtu)
         {
             let warning = checkpoint::Warning::Complete { run: checked.model.name, folder: place };
             complete.push(Complete { warning, summary });
@@ -200,6 +199,11 @@ fn runs(args: &RunArgs, stop: &Cancellation) -> Result<Runs, Failure> {
     let or_start = args.resume && several && is_begun;
     let policy = CheckpointPolicy { every, resume: args.resume, or_start, detailed: args.vtu };
     let job = |(checked, place): (Checked, PathBuf)| -> Result<Job, Diagnostic> {
+        let may_begin = or_start || checkpoint::are_beside(&place);
+        if args.resume && !may_begin && complete_summary(&checked, &place, false).is_some() {
+            let message = format!("{} is complete without ParaView files: {}", checked.model.name, shown_path(&place));
+            return Err(Diagnostic::new(message).hint("run it without --resume for its ParaView files"));
+        }
         let writer = CheckpointWriter::new(policy, &checked, &place)?;
         Ok(Job { checked, place, writer, vtu: args.vtu, force: *force, width, cancellation: stop.clone() })
     };
@@ -213,12 +217,14 @@ fn runs(args: &RunArgs, stop: &Cancellation) -> Result<Runs, Failure> {
     Ok(Runs { jobs, complete })
 }
 
-/// The figures in the folder `place`, where it holds the results of the scenario and of the files that it reads as they are now.
-fn complete_summary(checked: &Checked, place: &Path) -> Option<Value> {
+/// The figures in the folder `place`, where it holds the results of the scenario and of the files that it reads as they
+/// are now, with the files for ParaView where these are wanted.
+fn complete_summary(checked: &Checked, place: &Path, vtu: bool) -> Option<Value> {
     let read = |name: &str| file::read_text(&place.join(name), run_files::MOST_BYTES).ok();
     let stored = read(run_files::SCENARIO)?;
     let is_same = resolved(checked, place).is_ok_and(|now| now == stored);
-    serde_json::from_str(&read(run_files::SUMMARY).filter(|_| is_same)?).ok()
+    let is_whole = is_same && (!vtu || place.join(run_files::FILM_SERIES).exists());
+    serde_json::from_str(&read(run_files::SUMMARY).filter(|_| is_whole)?).ok()
 }
 
 /// The scenario as the folder `place` holds it, with the digest of all that decides its results.

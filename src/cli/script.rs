@@ -253,7 +253,9 @@ impl Task<'_> {
             told.stopping();
         })?;
         let text = program.whole_text();
-        if RUNNING.iter().any(|word| text.contains(word)) {
+        // Without the scenario that it reads a script ends before its first run.
+        let has_scenario = args.given.scenario.is_some() || !program.mentions_argument("scenario");
+        if has_scenario && RUNNING.iter().any(|word| text.contains(word)) {
             page.begin();
         }
         let run = || page.during(|| program.run(&engine, scope));

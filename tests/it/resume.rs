@@ -147,7 +147,8 @@ fn a_batch_resumes_with_one_run_complete_and_one_not_started() {
     assert!(written("done") == before[0] && written("later") > before[1]);
     // A run without files for ParaView is not what is asked for.
     let for_paraview = [&["run", done, "--resume", "--vtu"][..], &SLOW].concat();
-    refused(&droptower(bench.path(), &for_paraview), "there is no checkpoint in");
+    let said = refused(&droptower(bench.path(), &for_paraview), "done is complete without ParaView files: runs/done");
+    assert!(said.contains("run it without --resume for its ParaView files"), "{said}");
 }
 
 /// Whether a run of a batch is complete follows from what its files hold, not from their times.

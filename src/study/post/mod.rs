@@ -16,7 +16,7 @@ mod verdict;
 mod warning;
 
 pub use crate::post::audit::{Audit, COST, MeshFigures, OF_THE_MACHINE};
-pub use crate::post::comparison::RunComparison;
+pub use crate::post::comparison::{ComparedRun, RunComparison};
 pub use crate::post::field::{FieldFigures, FieldTime};
 pub use crate::post::figures::{
     FigureName, HEADLINES, Headline, LEAST_SHARE, TestKind, answer, badness, descends, figures, further, headlines_of,

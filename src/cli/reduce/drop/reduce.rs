@@ -200,7 +200,7 @@ fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(entries(folder)?.into_iter().filter(|entry| entry.is_file()).collect())
 }
 
-/// Words and value of each figure.
+/// Words and value of each figure: one list, which reads in the order in which it is printed.
 pub(crate) fn figure_rows(tower: &Tower, drop: &Drop, figures: &Figures) -> Vec<(&'static str, String)> {
     let bounds = drop.warnings.iter().find_map(|warning| match warning {
         Warning::Saturated { peak, deepest, .. } => Some([*peak, *deepest]),
