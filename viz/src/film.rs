@@ -75,10 +75,10 @@ impl Film {
             Mesh3D::update_fields().with_vertex_positions(film.positions.iter().map(|p| rounded(*p, self.step)));
         // Normals are as large as positions, and after a tear old ones would shade film that is gone.
         if broke || self.states.is_multiple_of(STATES_PER_NORMALS) {
-            mesh = mesh.with_vertex_normals(node_normals(face, film, 0.5 * self.step));
+            mesh = mesh.with_vertex_normals(node_normals(face, film, &drawn, 0.5 * self.step));
         }
         if broke {
-            mesh = mesh.with_triangle_indices(left(face, film));
+            mesh = mesh.with_triangle_indices(left(face, &drawn));
             self.shown.drawn = drawn;
         }
         let mut colours = DynamicArchetype::new(COLOURS);
@@ -159,8 +159,8 @@ fn rounded(point: [f32; 3], step: f32) -> [f32; 3] {
 }
 
 /// The triangles that are drawn.
-fn left(face: &SceneFace, film: &FilmState) -> Vec<[u32; 3]> {
-    let mut left: Vec<_> = triangles(face, film).collect();
+fn left(face: &SceneFace, drawn: &[bool]) -> Vec<[u32; 3]> {
+    let mut left: Vec<_> = triangles(face, drawn).collect();
     if left.is_empty() {
         // Without any indices, every three vertices would be drawn as a triangle.
         left.push([0; 3]);
@@ -222,9 +222,9 @@ const EDGE: f64 = 0.866;
 
 /// One normal a node, weighted by the area of what is left around it; on a mirror
 /// plane, which nodes nearer than `near` stand on, it lies in that plane, so that no crease shows.
-fn node_normals(face: &SceneFace, film: &FilmState, near: f32) -> Vec<[f32; 3]> {
+fn node_normals(face: &SceneFace, film: &FilmState, drawn: &[bool], near: f32) -> Vec<[f32; 3]> {
     let mut normals: Vec<Vector3<f32>> = vec![Vector3::zeros(); film.positions.len()];
-    for triangle in triangles(face, film) {
+    for triangle in triangles(face, drawn) {
         let [a, b, c] = triangle.map(|node| Vector3::from(film.positions[node as usize]));
         // Not made a unit: a longer cross product gives a larger triangle its larger weight.
         let area = (b - a).cross(&(c - a));

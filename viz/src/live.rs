@@ -20,10 +20,8 @@ use study::post::ReferenceComparison;
 
 /// Longest wait for a viewer to answer.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-/// Longest wait of the sending thread at the end for what it has sent.
-const SEND_TIMEOUT: Duration = if cfg!(test) { Duration::from_millis(200) } else { Duration::from_secs(8) };
-/// Longest wait of the run at the end for the sending thread.
-const JOIN_TIMEOUT: Duration = if cfg!(test) { Duration::from_millis(400) } else { Duration::from_secs(10) };
+/// Longest waits at the end.
+const WAITS: Waits = Waits { send: Duration::from_secs(8), join: Duration::from_secs(10) };
 
 /// Most snapshots in the queue to the viewer; further ones are left out.
 const QUEUE: usize = 64;
@@ -75,6 +73,16 @@ pub struct Live<'a> {
     /// Colour ranges of the viewer.
     ranges: Vec<[f32; 2]>,
     lost: usize,
+    waits: Waits,
+}
+
+/// Longest waits at the end.
+#[derive(Clone, Copy)]
+struct Waits {
+    /// Of the sending thread for what it has sent.
+    send: Duration,
+    /// Of the run for the sending thread.
+    join: Duration,
 }
 
 /// The thread that sends to the viewer.
@@ -116,6 +124,7 @@ impl<'a> Live<'a> {
             shown: vec![],
             ranges: vec![],
             lost: 0,
+            waits: WAITS,
         })
     }
 
@@ -125,7 +134,7 @@ impl<'a> Live<'a> {
             return;
         }
         if self.viewer.is_none() {
-            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(event)));
+            self.viewer = Some(Viewer::start(self.address.clone(), self.begin(event), self.waits.send));
         }
         let Some(viewer) = &self.viewer else { return };
         let ranges = self.wider(event);
@@ -150,7 +159,7 @@ impl<'a> Live<'a> {
             let _ = end.send(self.rest(run));
         }
         drop((snapshots, end));
-        match done.recv_timeout(JOIN_TIMEOUT) {
+        match done.recv_timeout(self.waits.join) {
             Ok(Err(VizError::Flush(_))) => Err(LiveError::NotResponding { address }),
             Ok(Err(error)) => Err(error.into()),
             Ok(Ok(())) if self.lost == 0 => Ok(()),
@@ -179,7 +188,7 @@ impl<'a> Live<'a> {
             documents: vec![text::document(recording::SUMMARY, begun), recording::scenario(scenario)],
             quantities,
             faces,
-            bodies: recording::bodies(model, event.impactors, Some(&event.snapshot)),
+            bodies: recording::bodies(model, event.impactors, Some(event.snapshot)),
             charts,
             ..Scene::default()
         }
@@ -190,7 +199,7 @@ impl<'a> Live<'a> {
         let (signals, energies) = (since(event.signals, signals), since(event.energies, energies));
         let Snapshot { time, films, impactors } = event.snapshot;
         // What a viewer shows: no velocities and stresses.
-        let films = films.iter().map(|film| FilmState { detail: None, ..film.clone() }).collect();
+        let films = films.iter().map(FilmState::without_detail).collect();
         State {
             snapshot: Snapshot { time: *time, films, impactors: impactors.clone() },
             samples: signals::charted(&signals, &energies, None, f64::INFINITY).tracks().cloned().collect(),
@@ -244,20 +253,26 @@ impl<'a> Live<'a> {
 }
 
 impl Viewer {
-    fn start(address: Address, scene: Scene) -> Viewer {
+    fn start(address: Address, scene: Scene, wait: Duration) -> Viewer {
         let (snapshots, states) = sync_channel(QUEUE);
         let (end, ended) = channel();
         let (result, done) = channel();
         thread::spawn(move || {
             // `finish` may have stopped waiting.
-            let _ = result.send(send(&address, scene, &states, &ended));
+            let _ = result.send(send(&address, scene, &states, &ended, wait));
         });
         Viewer { snapshots, end, done }
     }
 }
 
-/// Sends all snapshots until there are no more, then the results, if there are any.
-fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receiver<Scene>) -> Result<(), VizError> {
+/// Sends all snapshots until there are no more, then the results, if there are any, and waits so long for them to arrive.
+fn send(
+    address: &Address,
+    scene: Scene,
+    states: &Receiver<State>,
+    end: &Receiver<Scene>,
+    wait: Duration,
+) -> Result<(), VizError> {
     let mut stage = Stage::live(address, scene)?;
     for State { snapshot, samples, ranges } in states {
         stage.set_ranges(snapshot.time, &ranges.unwrap_or_default())?;
@@ -266,7 +281,7 @@ fn send(address: &Address, scene: Scene, states: &Receiver<State>, end: &Receive
         samples.iter().try_for_each(|track| stage.samples(&track.path, &track.times, &track.values))?;
     }
     end.recv().map_or(Ok(()), |rest| stage.complete(rest))?;
-    stage.finish(SEND_TIMEOUT)
+    stage.finish(wait)
 }
 
 /// Samples of the signals and of the energies so far.
@@ -351,6 +366,7 @@ mod tests {
             shown: vec!["signals/force_N".to_owned()],
             ranges: vec![[0.0, 1.0]; 4],
             lost: 0,
+            waits: WAITS,
         };
         let mut show = |strain, samples| {
             let (snapshot, signals) = (stretched(strain), forces(samples));
@@ -391,6 +407,7 @@ mod tests {
         let (model, films, snapshot, signals) = (model(), [film()], stretched(0.1), forces(2));
         let address = address.parse().expect("an address");
         let mut live = Live::connect(&address, &model, None, "").expect("an open door");
+        live.waits = Waits { send: Duration::from_millis(200), join: Duration::from_millis(400) };
         let energies = Recording::default();
         live.show(&SnapshotEvent {
             films: &films,

@@ -47,7 +47,7 @@ fn scene(run: &RunPage, snapshots: &[&Snapshot]) -> Scene {
         documents: documents(run),
         quantities: quantities(snapshots),
         faces,
-        bodies: bodies(model, &outcome.impactors, snapshots.first()),
+        bodies: bodies(model, &outcome.impactors, snapshots.first().copied()),
         points: point_tracks(results.field.as_deref()),
         charts: signals::charted(&results.signals, &outcome.energies, results.comparison.as_ref(), model.run_time()),
         diagrams: results.script_output.plots.clone(),
@@ -107,7 +107,7 @@ pub(crate) fn extent(faces: &[SceneFace], snapshots: &[&Snapshot]) -> Extent {
 }
 
 /// The impactors of `model` and the bars of its frame, and where they are `first`.
-pub(crate) fn bodies(model: &Model, impactors: &[Surface], first: Option<&&Snapshot>) -> Vec<Body> {
+pub(crate) fn bodies(model: &Model, impactors: &[Surface], first: Option<&Snapshot>) -> Vec<Body> {
     let of_impactor = |name: Option<&str>| name.map_or_else(|| "impactor".into(), |name| format!("impactors/{name}"));
     let names = model.names().into_iter().map(of_impactor).chain([String::from("frame")]);
     let body = |(index, (surface, name)): (usize, (SceneBody, String))| {

@@ -173,7 +173,8 @@ impl Default for Extent {
 impl Extent {
     /// Extended by what is drawn of a face in a state, and by the frame on whose springs it hangs.
     pub fn with(self, face: &SceneFace, film: &FilmState) -> Extent {
-        let corners = triangles(face, film).flatten().map(|node| film.positions[node as usize]);
+        let drawn = face.drawn(film);
+        let corners = triangles(face, &drawn).flatten().map(|node| film.positions[node as usize]);
         let anchors = face.springs.iter().map(|spring| spring.anchor);
         corners
             .chain(anchors)
@@ -195,8 +196,8 @@ impl Extent {
     }
 }
 
-/// The triangles of what is drawn of a face in a state.
-pub(crate) fn triangles(face: &SceneFace, film: &FilmState) -> impl Iterator<Item = [u32; 3]> {
-    let drawn = face.patches.iter().zip(face.drawn(film)).filter(|(_, is_drawn)| *is_drawn);
+/// The triangles of the patches of a face that are `drawn`.
+pub(crate) fn triangles(face: &SceneFace, drawn: &[bool]) -> impl Iterator<Item = [u32; 3]> {
+    let drawn = face.patches.iter().zip(drawn).filter(|(_, is_drawn)| **is_drawn);
     drawn.flat_map(|(&[a, b, c, d], _)| [[a, b, c], [a, c, d]].into_iter().take(if c == d { 1 } else { 2 }))
 }

@@ -297,7 +297,13 @@ mod tests {
     }
 
     fn strained(peak: f64) -> Vec<Vec<ElementStrain>> {
-        vec![vec![ElementStrain { strain: [peak, 0.0, 0.0], peak: [peak, 0.0], left: [1.0; 2], volume: 1.0 }]]
+        vec![vec![ElementStrain {
+            strain: [peak, 0.0, 0.0],
+            peak: [peak, 0.0],
+            left: [1.0; 2],
+            volume: 1.0,
+            ..ElementStrain::default()
+        }]]
     }
 
     #[test]

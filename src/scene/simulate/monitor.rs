@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::{FilmState, Outcome, Snapshot};
+use super::outcome::Outcome;
 use super::springs::SpringStep;
 use super::tracks::Sample;
 use super::warning::{BodySize, ImpactorName, Warning, bounds};
 use crate::model::{Face, Loading, Model, SNAPSHOT_MEMORY};
 use lab::signal::column::{self, Column};
 use membrane::engine::{self, ContactState, ElementStrain, FilmContactState, TooWide, View};
-use membrane::material::{Curve, Hardening, Law};
+use membrane::material::{Hardening, Law};
 
 /// What a run ends with besides its outcome.
 pub(super) struct End {
@@ -58,6 +58,12 @@ enum Watch {
     Localised,
     /// Share of a face under biaxial load whose directions nothing couples.
     Biaxial,
+    /// Shear angle of an element that is not broken, rad.
+    Sheared,
+    /// Equivalent plastic strain of an element that does not tear.
+    Plastic,
+    /// Whether the law gave no thickness of an element that is not broken.
+    WithoutThickness,
     /// Depth of film behind a mirror plane, m.
     Behind,
     /// Depth of film in film, m.
@@ -254,6 +260,23 @@ impl Monitor {
         }
     }
 
+    /// Records how far film is sheared and flowed, and film whose law gives no thickness.
+    pub(super) fn beyond_data(&mut self, view: &View<'_>, strains: &[Vec<ElementStrain>], model: &Model) {
+        for (place, (film, strains)) in view.films.iter().zip(strains).enumerate() {
+            let law = &model.faces[place].material.law;
+            self.record(Watch::Sheared, place, view.time, largest_shear(strains), end_of_shear(law));
+            // An element that tears is drawn out within its row: its strain is not that of film.
+            let whole = strains.iter().filter(|strain| strain.damage == 0.0);
+            self.record(Watch::Plastic, place, view.time, whole.map(|strain| strain.plastic).fold(0.0, f64::max), 0.0);
+            if may_lose_thickness(law, strains) && !self.exceeded.contains_key(&(Watch::WithoutThickness, place)) {
+                let details = film.details(&view.nodes.position);
+                let mut intact = details.iter().zip(strains).filter(|(_, strain)| !strain.has_failed());
+                let is_lost = intact.any(|(element, _)| element.thickness_ratio.is_nan());
+                self.record(Watch::WithoutThickness, place, view.time, f64::from(is_lost), 0.0);
+            }
+        }
+    }
+
     /// Whether both are of scenes with the same bodies in contact, and this one of no more than so many faces.
     pub(super) fn is_like(&self, other: &Monitor, faces: usize) -> bool {
         let bodies = |monitor: &Monitor| (monitor.sizes.len(), monitor.has_bars);
@@ -301,7 +324,37 @@ impl Monitor {
         }
     }
 
-    /// The warnings of a run of `model` with this `outcome` so far.
+    /// The findings of film beyond the data of its law.
+    fn of_laws(&self, model: &Model) -> Vec<Warning> {
+        let of = |watch: Watch| {
+            let of_watch = self.exceeded.iter().filter(move |((of, _), _)| *of == watch);
+            of_watch.map(|((_, place), excess)| (place + 1, &model.faces[*place].material, excess.most))
+        };
+        let sheared = of(Watch::Sheared).map(|(face, material, angle)| Warning::ShearExceeded {
+            face,
+            angle,
+            end: end_of_shear(&material.law),
+        });
+        let yielded = || {
+            of(Watch::Plastic).filter_map(|(face, material, strain)| match &material.law {
+                Law::Plastic(law) => Some((face, material.rupture.is_some(), law.hardening(), strain)),
+                _ => None,
+            })
+        };
+        let hardened = yielded().filter(|(.., hardening, strain)| *strain > hardening.end());
+        let hardened = hardened.map(|(face, _, hardening, strain)| Warning::HardeningExceeded {
+            face,
+            strain,
+            end: hardening.end(),
+        });
+        let without = of(Watch::WithoutThickness).map(|(face, ..)| Warning::ThicknessLost { face });
+        let thinned = yielded().filter(|(_, can_tear, ..)| *can_tear).filter_map(|(face, _, hardening, strain)| {
+            Some(Warning::ThinningBeforeBreak { face, strain, from: thins_from(hardening, strain)? })
+        });
+        sheared.chain(hardened).chain(without).chain(thinned).collect()
+    }
+
+    /// The warnings of a run of `model` with this `outcome` so far: one list, in the order of the page.
     pub(super) fn finish(self, outcome: &Outcome, end: &End, model: &Model) -> Vec<Warning> {
         let End { missed, met_others_alone, unfinished, spring_step, snapshots: taken, time } = end;
         let (wanted, taken, time) = (model.output.frames, *taken, *time);
@@ -315,21 +368,7 @@ impl Monitor {
             let named = names.iter().zip(which).filter(|(_, is)| **is);
             named.map(|(name, _)| warning(name.clone())).collect()
         };
-        let misshapen = outcome.films.iter().enumerate().filter(|(_, film)| film.quality.jacobian < bounds::JACOBIAN);
-        let mut out: Vec<Warning> = misshapen
-            .map(|(face, film)| Warning::MisshapenElements { face: face + 1, quality: film.quality })
-            .collect();
-        out.extend(outcome.relaxation.and_then(|relaxation| match relaxation {
-            relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => {
-                Some(Warning::NotInEquilibrium(relaxation))
-            }
-            relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
-            _ => None,
-        }));
-        let heavy =
-            outcome.added_mass.iter().enumerate().filter(|(_, added)| added.mass > bounds::ADDED_MASS * added.own);
-        out.extend(spring_step.filter(SpringStep::is_much_shorter).map(Warning::StepOfSprings));
-        out.extend(heavy.map(|(face, added)| Warning::AddedMass { face: face + 1, share: added.mass / added.own }));
+        let mut out = of_mounting(outcome, *spring_step);
         let without_contact = names.iter().zip(missed).filter(|(_, missed)| **missed);
         out.extend(without_contact.map(|(name, _)| match rupture_time {
             Some(time) => Warning::TornBeforeContact { impactor: name.clone(), time },
@@ -360,59 +399,9 @@ impl Monitor {
         out.extend((taken < wanted).then_some(Warning::FewerSnapshots { wanted, taken, memory: SNAPSHOT_MEMORY }));
         out.extend((balance > bounds::BALANCE).then_some(Warning::EnergyBalance { error: balance }));
         out.extend((outside > bounds::RATES && !nothing_hit).then_some(Warning::StrainRateOutside { share: outside }));
-        let of_curves = |face: &Face| {
-            face.material.rupture.is_none()
-                && !face.break_is_moved
-                && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
-        };
-        let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
-        let (broke, share) = (rupture_time.is_some(), if is_drop { share_of_break(outcome, model) } else { 0.0 });
-        out.extend((share > bounds::OF_BREAK).then_some(Warning::BreakStrainOfCoupons { broke, share }));
-        let shear_ends = model.faces.iter().map(|face| match &face.material.law {
-            Law::Fabric(fabric) => end_of_shear(fabric.shear()),
-            Law::RateFabric(fabric) => end_of_shear(fabric.shear()),
-            _ => f64::INFINITY,
-        });
-        out.extend(shear_ends.enumerate().filter_map(|(place, end)| {
-            let angle = largest_shear_angle(&outcome.snapshots, place);
-            (angle > end * (1.0 + 1e-6)).then_some(Warning::ShearExceeded { face: place + 1, angle, end })
-        }));
-        let plastic = largest_plastic_strains(&outcome.snapshots, model.faces.len());
-        let yielded = plastic.iter().zip(&model.faces).enumerate().filter_map(|(place, (strain, face))| {
-            let Law::Plastic(law) = &face.material.law else { return None };
-            Some((place + 1, (*strain)?, law.hardening(), face))
-        });
-        // Strains of snapshots have single precision.
-        let exceeding = yielded.clone().filter(|(_, strain, hardening, _)| *strain > hardening.end() + 1e-6);
-        out.extend(exceeding.map(|(face, strain, hardening, _)| Warning::HardeningExceeded {
-            face,
-            strain,
-            end: hardening.end(),
-        }));
-        let is_without_thickness = |face: &usize| {
-            let mut states = outcome.snapshots.iter().filter_map(|snapshot| snapshot.films.get(*face));
-            states.any(|state| {
-                let mut ratios = state.thickness_ratio.iter().zip(&state.failed);
-                ratios.any(|(ratio, failed)| ratio.is_nan() && !failed)
-            })
-        };
-        let without = (0..model.faces.len()).filter(is_without_thickness);
-        out.extend(without.map(|face| Warning::ThicknessLost { face: face + 1 }));
-        let torn = yielded.filter(|(.., face)| face.material.rupture.is_some());
-        out.extend(torn.filter_map(|(face, strain, hardening, _)| {
-            Some(Warning::ThinningBeforeBreak { face, strain, from: thins_from(hardening, strain)? })
-        }));
-        for (face, number) in model.faces.iter().zip(1..) {
-            let cooling = cooling(face, face.thickness()).filter(|cooling| time > bounds::COOLING * cooling);
-            out.extend(cooling.map(|cooling| Warning::HeatLeaves { face: number, time, cooling }));
-        }
-        for (face, number) in model.faces.iter().zip(1..) {
-            // Coupons are single layers.
-            let cooling = cooling(face, face.material.thickness).zip(face.material.measured_rates);
-            let [strain, other] = face.material.break_strains();
-            let holds = cooling.filter(|(time, [_, rate])| strain.min(other) < bounds::COOLING * time * rate);
-            out.extend(holds.map(|(_, [_, rate])| Warning::HeatTwice { face: number, rate }));
-        }
+        out.extend(break_strain_of_coupons(outcome, model));
+        out.extend(self.of_laws(model));
+        out.extend(of_heat(model, time));
         out.extend(outcome.kinetic_share.and_then(|share| match share {
             share if share > bounds::KINETIC => Some(Warning::NotQuasiStatic { share }),
             share if share > bounds::BARELY => Some(Warning::BarelyQuasiStatic { share }),
@@ -420,6 +409,51 @@ impl Monitor {
         }));
         out
     }
+}
+
+/// The findings of film as mounted.
+fn of_mounting(outcome: &Outcome, spring_step: Option<SpringStep>) -> Vec<Warning> {
+    let films = outcome.films.iter().zip(1..).filter(|(film, _)| film.quality.jacobian < bounds::JACOBIAN);
+    let misshapen = films.map(|(film, face)| Warning::MisshapenElements { face, quality: film.quality });
+    let settled = outcome.relaxation.and_then(|relaxation| match relaxation {
+        relaxation if !relaxation.is_in_equilibrium() || relaxation.is_given_up() => {
+            Some(Warning::NotInEquilibrium(relaxation))
+        }
+        relaxation if relaxation.steps > 0 => Some(Warning::Settled(relaxation)),
+        _ => None,
+    });
+    let springs = spring_step.filter(SpringStep::is_much_shorter).map(Warning::StepOfSprings);
+    let heavy = outcome.added_mass.iter().zip(1..).filter(|(added, _)| added.mass > bounds::ADDED_MASS * added.own);
+    let heavy = heavy.map(|(added, face)| Warning::AddedMass { face, share: added.mass / added.own });
+    misshapen.chain(settled).chain(springs).chain(heavy).collect()
+}
+
+/// The finding of a drop on film that came near the break strain of its curves.
+fn break_strain_of_coupons(outcome: &Outcome, model: &Model) -> Option<Warning> {
+    let of_curves = |face: &Face| {
+        face.material.rupture.is_none()
+            && !face.break_is_moved
+            && matches!(face.material.law, Law::Fabric(_) | Law::RateFabric(_))
+    };
+    let is_drop = matches!(model.loading, Loading::Impact(_)) && model.faces.iter().all(of_curves);
+    let (broke, share) = (outcome.rupture_time.is_some(), if is_drop { share_of_break(outcome, model) } else { 0.0 });
+    (share > bounds::OF_BREAK).then_some(Warning::BreakStrainOfCoupons { broke, share })
+}
+
+/// The findings of heat that leaves film in a test of this time (s), or that its curves hold already.
+fn of_heat(model: &Model, time: f64) -> Vec<Warning> {
+    let faces = || model.faces.iter().zip(1..);
+    let leaves = faces().filter_map(|(face, number)| {
+        let cooling = cooling(face, face.thickness()).filter(|cooling| time > bounds::COOLING * cooling)?;
+        Some(Warning::HeatLeaves { face: number, time, cooling })
+    });
+    let twice = faces().filter_map(|(face, number)| {
+        // Coupons are single layers.
+        let cooling = cooling(face, face.material.thickness)?;
+        let ([_, rate], [strain, other]) = (face.material.measured_rates?, face.material.break_strains());
+        (strain.min(other) < bounds::COOLING * cooling * rate).then_some(Warning::HeatTwice { face: number, rate })
+    });
+    leaves.chain(twice).collect()
 }
 
 /// Largest strain of the film over the least break strain of its direction.
@@ -432,35 +466,33 @@ fn share_of_break(outcome: &Outcome, model: &Model) -> f64 {
     f64::max(largest(column::MAX_STRAIN_MD) / least(0), largest(column::MAX_STRAIN_TD) / least(1))
 }
 
-/// Shear angle at which a curve ends, rad; one straight piece is a modulus, and ends nowhere.
-fn end_of_shear(curve: &Curve) -> f64 {
+/// Shear angle at which the curve of a law ends, rad; one straight piece is a modulus, and ends nowhere.
+fn end_of_shear(law: &Law) -> f64 {
+    let curve = match law {
+        Law::Fabric(fabric) => fabric.shear(),
+        Law::RateFabric(fabric) => fabric.shear(),
+        _ => return f64::INFINITY,
+    };
     if curve.points().len() > 1 { curve.end() } else { f64::INFINITY }
 }
 
-/// Largest shear angle of the face at this place in `snapshots`, rad, of elements that are not broken: others carry no shear.
-fn largest_shear_angle(snapshots: &[Snapshot], face: usize) -> f64 {
-    let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
-    let angles = states.flat_map(|state| {
-        let has_failed = |element: usize| state.failed.get(element).is_some_and(|failed| *failed);
-        let elements = state.strains.iter().enumerate().filter(move |(element, _)| !has_failed(*element));
-        elements.map(|(_, [_, _, angle])| f64::from(angle.abs()))
-    });
-    angles.fold(0.0, f64::max)
+/// Elements that are not broken: others carry no load.
+fn intact(strains: &[ElementStrain]) -> impl Iterator<Item = &ElementStrain> {
+    strains.iter().filter(|strain| strain.volume > 0.0 && !strain.has_failed())
 }
 
-/// Largest equivalent plastic strain of each face in `snapshots`; it never falls.
-fn largest_plastic_strains(snapshots: &[Snapshot], faces: usize) -> Vec<Option<f64>> {
-    let of_face = |face: usize| {
-        let states = snapshots.iter().filter_map(|snapshot| snapshot.films.get(face));
-        // An element that tears is drawn out within its row: its strain is not that of film.
-        let whole = |state: &FilmState| -> Vec<f32> {
-            let tears = |element: usize| state.damage.get(element).is_some_and(|damage| *damage > 0.0);
-            let strains = state.plastic_strain.iter().enumerate();
-            strains.filter(|(element, _)| !tears(*element)).map(|(_, strain)| *strain).collect()
-        };
-        states.flat_map(whole).map(f64::from).reduce(f64::max)
-    };
-    (0..faces).map(of_face).collect()
+/// Largest shear angle, rad.
+fn largest_shear(strains: &[ElementStrain]) -> f64 {
+    intact(strains).map(|strain| strain.strain[2].abs()).fold(0.0, f64::max)
+}
+
+/// Whether film is strained so far that its law may give no thickness, for which 1 + 2E₃₃ of linear elastic film, and so
+/// 1 − 2 (E₁₁ + E₂₂), must be below zero at a point: no fibre of other film has 0.22.
+fn may_lose_thickness(law: &Law, strains: &[ElementStrain]) -> bool {
+    /// That with room for what the mean over an element leaves out.
+    const STRAIN: f64 = 0.1;
+    matches!(law, Law::Elastic(_) | Law::TensionField(_))
+        && intact(strains).any(|strain| strain.strain[0].max(strain.strain[1]) > STRAIN)
 }
 
 /// Larger principal strain from which an element counts.
@@ -471,10 +503,9 @@ const RATIO: f64 = 0.2;
 
 /// Part of the volume of all that is not broken.
 fn biaxial_share(strains: &[ElementStrain]) -> f64 {
-    let intact = || strains.iter().filter(|strain| strain.volume > 0.0 && !strain.has_failed());
     let volume = |strain: &ElementStrain| strain.volume;
-    let biaxial: f64 = intact().filter(|strain| is_biaxial(strain)).map(volume).sum();
-    let all: f64 = intact().map(volume).sum();
+    let biaxial: f64 = intact(strains).filter(|strain| is_biaxial(strain)).map(volume).sum();
+    let all: f64 = intact(strains).map(volume).sum();
     if all > 0.0 { biaxial / all } else { 0.0 }
 }
 
@@ -529,14 +560,10 @@ mod tests {
 
     #[test]
     fn broken_elements_are_not_sheared() {
-        let film = |angle: f32| FilmState {
-            strains: vec![[0.1, 0.0, 0.9], [0.0, 0.1, angle]],
-            failed: vec![true, false],
-            ..FilmState::default()
-        };
-        let snapshot = |angle| Snapshot { time: 0.0, films: vec![film(angle)], impactors: vec![] };
-        let largest = largest_shear_angle(&[snapshot(0.25), snapshot(-0.5), snapshot(0.125)], 0);
-        assert_eq!((largest, largest_shear_angle(&[snapshot(0.25)], 1)), (0.5, 0.0));
+        let broken = ElementStrain { left: [0.0, 1.0], ..strained([0.1, 0.0, 0.9], 1.0) };
+        let film =
+            [broken, strained([0.0, 0.1, 0.25], 1.0), strained([0.0, 0.1, -0.5], 1.0), strained([0.0, 0.0, 0.8], 0.0)];
+        assert_eq!([&film[..], &film[..2], &film[..1]].map(largest_shear), [0.5, 0.25, 0.0]);
     }
 
     #[test]

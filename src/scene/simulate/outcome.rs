@@ -162,6 +162,23 @@ pub struct FilmState {
     pub detail: Option<Detail>,
 }
 
+impl FilmState {
+    /// A copy without its detail, which is not copied.
+    pub fn without_detail(&self) -> FilmState {
+        FilmState {
+            positions: self.positions.clone(),
+            strains: self.strains.clone(),
+            failed: self.failed.clone(),
+            thickness_ratio: self.thickness_ratio.clone(),
+            plastic_strain: self.plastic_strain.clone(),
+            damage: self.damage.clone(),
+            warming: self.warming.clone(),
+            in_contact: self.in_contact.clone(),
+            detail: None,
+        }
+    }
+}
+
 /// Velocities, stresses and more of the state of a face.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Detail {
@@ -202,11 +219,11 @@ pub(super) fn count(wanted: usize, films: &[Film], detailed: bool) -> usize {
 pub(super) fn snapshot(view: &View<'_>, strains: &[Vec<ElementStrain>], detailed: bool) -> Snapshot {
     let in_contact = view.nodes_in_contact();
     let film = |(film, strains): (&engine::Film, &Vec<ElementStrain>)| {
-        let is_needed = detailed || film.has_thickness() || film.has_rupture() || film.warms_up();
+        let is_needed = detailed || film.has_thickness() || film.warms_up();
         let details = if is_needed { film.details(&view.nodes.position) } else { vec![] };
         let thickness = details.iter().filter(|_| film.has_thickness()).map(|of| of.thickness_ratio as f32);
-        let plastic = details.iter().filter(|_| film.is_plastic()).map(|of| of.plastic_strain as f32);
-        let damage = details.iter().filter(|_| film.has_rupture()).map(|of| of.damage as f32);
+        let plastic = strains.iter().filter(|_| film.is_plastic()).map(|of| of.plastic as f32);
+        let damage = strains.iter().filter(|_| film.has_rupture()).map(|of| of.damage as f32);
         let warming = details.iter().filter(|_| film.warms_up()).map(|of| of.warming as f32);
         FilmState {
             positions: film.nodes.clone().map(|n| view.nodes.position.value_at(n).map(|x| x as f32)).collect(),

@@ -255,22 +255,24 @@ impl<'a> Probe<'a> {
     }
 
     /// Notes how much film has warmed up that does not tear. Where it breaks, an element is drawn out as far as the mesh lets it.
-    fn note_warming(&mut self, view: &View<'_>) {
-        let warm = view.films.iter().filter(|film| film.warms_up() && self.record.rupture_time.is_none());
-        let elements = warm.flat_map(|film| film.details(&view.nodes.position));
-        let whole = elements.filter(|element| element.damage == 0.0).map(|element| element.warming);
+    fn note_warming(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) {
+        let films = view.films.iter().zip(faces);
+        let warm = films.filter(|(film, _)| film.warms_up() && self.record.rupture_time.is_none());
+        let elements = warm.flat_map(|(film, strains)| film.details(&view.nodes.position).into_iter().zip(strains));
+        let whole = elements.filter(|(_, strain)| strain.damage == 0.0).map(|(element, _)| element.warming);
         self.record.warming = whole.chain(self.record.warming).reduce(f64::max);
     }
 
     fn take_audit(&mut self, view: &View<'_>, faces: &[Vec<ElementStrain>]) -> Result<(), engine::Fault> {
         self.record.audits += 1;
-        self.note_warming(view);
+        self.note_warming(view, faces);
         let energies = view.energies();
         if !energies.total().is_finite() {
             return Err(not_finite(view, faces));
         }
         self.record.monitor.strain(view, faces);
         self.record.monitor.biaxial(view.time, faces, self.model);
+        self.record.monitor.beyond_data(view, faces, self.model);
         for (body, (state, size)) in view.contact_states().enumerate() {
             self.record.monitor.contact(body, view.time, size, &state, self.record.rupture_time.is_none());
             if body < self.model.impactors.len() {

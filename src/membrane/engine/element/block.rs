@@ -65,11 +65,12 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
         mean
     }
 
-    /// Strains, averaged over the points.
+    /// Strains, averaged over the points, without the damage by tears.
     #[inline(always)]
-    fn strains(&self, x: &[Lane3<L>; NODES]) -> ElementStrain<Lane<L>> {
+    fn strains(&self, law: &M, x: &[Lane3<L>; NODES]) -> ElementStrain<Lane<L>> {
         let (zero, volume) = (splat(0.0), self.volume());
-        let mut out = ElementStrain { strain: [zero; 3], peak: [zero; 2], left: [splat(1.0); 2], volume };
+        let (strain, peak, left) = ([zero; 3], [zero; 2], [splat(1.0); 2]);
+        let mut out = ElementStrain { strain, peak, left, volume, plastic: zero, damage: zero };
         for (point, (history, _)) in self.history().enumerate() {
             let s = strains(&self.deformation_at(point, x));
             for (mean, value) in out.strain.iter_mut().zip([s.md, s.td, s.shear]) {
@@ -79,6 +80,9 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
                 out.peak[fibre] = history.peak(fibre).max(out.peak[fibre]);
                 out.left[fibre] = history.left(fibre).min(out.left[fibre]);
             }
+            if let Some(plastic) = law.plastic_strain(history) {
+                out.plastic += Self::SHARE * *plastic;
+            }
         }
         out
     }
@@ -86,16 +90,12 @@ pub(crate) trait Block<M: MembraneLaw, const NODES: usize, const L: usize>: Clon
     /// Stresses, thickness and fibres, averaged over the points.
     fn details(&self, law: &M, viscous: Option<ViscousBlock<'_, L>>, x: &[Lane3<L>; NODES]) -> BlockDetails<L> {
         let zero = splat(0.0);
-        let mut out =
-            BlockDetails { stress: [zero; 3], thickness_ratio: zero, plastic_strain: zero, fibres: [Lane3::ZERO; 2] };
+        let mut out = BlockDetails { stress: [zero; 3], thickness_ratio: zero, fibres: [Lane3::ZERO; 2] };
         for (point, (history, _)) in self.history().enumerate() {
             let d = self.deformation_at(point, x);
             let mut response = law.stress_of(&d, history);
             // Stress relaxes with a constant Poisson's ratio: the thickness is that of film strained at once.
             out.thickness_ratio += Self::SHARE * law.thickness_ratio(&d, &response);
-            if let Some(plastic_strain) = law.plastic_strain(history) {
-                out.plastic_strain += Self::SHARE * *plastic_strain;
-            }
             if let Some(viscous) = viscous {
                 response = viscous.stress(point, &d);
             }
@@ -175,8 +175,6 @@ pub(crate) struct BlockDetails<const L: usize> {
     pub stress: [Lane<L>; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: Lane<L>,
-    /// Equivalent plastic strain; zero of a law without.
-    pub plastic_strain: Lane<L>,
     /// f₁ and f₂: the images of unit vectors along MD and TD of the stress-free film.
     pub fibres: [Lane3<L>; 2],
 }

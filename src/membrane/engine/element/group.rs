@@ -209,14 +209,12 @@ where
         let mut out = Vec::with_capacity(self.common.count.next_multiple_of(LANES));
         for (b, block) in self.blocks.iter().enumerate() {
             let details = block.details(&self.law, self.viscous_block(b), &self.gather(b, position));
-            let BlockDetails { stress, thickness_ratio, plastic_strain, fibres } = details;
-            let (share, left) = (self.common.share(b), self.common.tearing.as_ref().map(|tearing| tearing.share(b)));
+            let BlockDetails { stress, thickness_ratio, fibres } = details;
+            let share = self.common.share(b);
             out.extend((0..LANES).map(|l| ElementDetail {
                 stress: stress.map(|s| share[l] * s[l]),
-                damage: left.map_or(0.0, |left| 1.0 - left[l]),
                 warming: self.common.heating.as_ref().map_or(0.0, |heating| heating.warming(b, l)),
                 thickness_ratio: thickness_ratio[l],
-                plastic_strain: plastic_strain[l],
                 fibres: fibres.map(|f| f.map(|axis| axis[l])),
             }));
         }

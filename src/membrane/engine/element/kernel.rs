@@ -48,7 +48,7 @@ impl<const L: usize> ElementEnergy<Lane<L>> {
     }
 }
 
-/// Strains of one element, or of one a lane, averaged over its integration points.
+/// Strains of one element, or of one a lane, averaged over its integration points, and what they left of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElementStrain<T = f64> {
     /// Engineering strain along MD and TD, shear angle (rad).
@@ -59,6 +59,10 @@ pub struct ElementStrain<T = f64> {
     pub left: [T; 2],
     /// Volume of stress-free film, m³; zero once it is deleted.
     pub volume: T,
+    /// Equivalent plastic strain; zero of a law without.
+    pub plastic: T,
+    /// Share of its forces that the element lost by tearing.
+    pub damage: T,
 }
 
 impl ElementStrain {
@@ -75,10 +79,6 @@ pub struct ElementDetail {
     pub stress: [f64; 3],
     /// Thickness over that of stress-free film; NaN where the law does not define it.
     pub thickness_ratio: f64,
-    /// Equivalent plastic strain; zero of a law without.
-    pub plastic_strain: f64,
-    /// Share of its forces that the element lost by tearing.
-    pub damage: f64,
     /// Growth of its temperature since it was mounted, K; zero of film that does not warm up.
     pub warming: f64,
     /// Images of unit vectors along MD and TD of the stress-free film.
@@ -239,14 +239,16 @@ at_width! {
     ) {
         let mut x = [Lane3::ZERO; NODES];
         let blocks = elements.common.corners.blocks().zip(&elements.blocks);
-        for ((corners, block), out) in blocks.zip(out.chunks_mut(LANES)) {
+        for (b, ((corners, block), out)) in blocks.zip(out.chunks_mut(LANES)).enumerate() {
             gather(corners, position, &mut x);
-            let ElementStrain { strain, peak, left, volume } = block.strains(&x);
+            let ElementStrain { strain, peak, left, volume, plastic, .. } = block.strains(&elements.law, &x);
+            let whole = elements.common.tearing.as_ref().map_or(splat(1.0), |tearing| *tearing.share(b));
             for (l, out) in out.iter_mut().enumerate() {
                 // A deleted element keeps the history that it had; that it is gone shows in its volume alone.
                 let left = if volume[l] == 0.0 { [0.0; 2] } else { [left[0][l], left[1][l]] };
                 let strain = [strain[0][l], strain[1][l], strain[2][l]];
-                *out = ElementStrain { strain, peak: [peak[0][l], peak[1][l]], left, volume: volume[l] };
+                let (peak, damage) = ([peak[0][l], peak[1][l]], 1.0 - whole[l]);
+                *out = ElementStrain { strain, peak, left, volume: volume[l], plastic: plastic[l], damage };
             }
         }
     }

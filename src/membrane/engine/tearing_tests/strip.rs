@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::mesh::halves;
 use super::{FRACTURE_ENERGY, POISSON, THICKNESS, YOUNG, cells, section};
-use crate::engine::{Energies, Engine, Film, Jaw, Loads, Nodes, Section, Torn, Unobserved, View};
+use crate::engine::{ElementStrain, Energies, Engine, Film, Jaw, Loads, Nodes, Section, Torn, Unobserved, View};
 use crate::material::{
     Criterion, Elastic, FlowRate, Hardening, Hill, Hyperelastic, HyperelasticLaw, Law, Plastic, Polynomial, PronyTerm,
     Rupture, Viscosity, Voce,
@@ -193,7 +193,8 @@ const RELAXING: f64 = 0.4;
 /// The tear takes Γ within the hundredth that an element loses with its rest, and what the law absorbs in its elements
 /// is part of it. Film that relaxes much faster or much slower than it is strained tears at the strain of Griffith's
 /// balance for its long-term or its instantaneous modulus; all other film takes more than with the latter. The balance
-/// errs by the square of the step, most where the tear runs as fast as waves let it; 2·10⁻⁴ is the error of the first steps, which exchange next to nothing.
+/// errs by the square of the step, most where the tear runs as fast as waves let it; 2·10⁻⁴ is the error of the first steps,
+/// which exchange next to nothing.
 fn a_viscous_strip_takes_its_fracture_energy_besides_what_it_absorbs(kind: Kind, time: f64, expected: Option<f64>) {
     let lengths @ [height, ..] = [0.06, 0.1, 0.03];
     let viscosity = Viscosity::new(vec![PronyTerm { share: RELAXING, time }]).unwrap();
@@ -264,10 +265,9 @@ impl PlasticElements {
     fn from_view(view: &View<'_>) -> PlasticElements {
         let mut strains = vec![];
         view.strains(&mut strains);
-        let details = view.films[0].details(&view.nodes.position);
-        let (tearing, intact): (Vec<_>, Vec<_>) =
-            strains[0].iter().zip(&details).partition(|(_, detail)| detail.damage > 0.0);
-        let work = intact.iter().map(|(strain, detail)| strain.volume * plastic_work(detail.plastic_strain));
+        let (tearing, intact): (Vec<&ElementStrain>, Vec<_>) =
+            strains[0].iter().partition(|strain| strain.damage > 0.0);
+        let work = intact.iter().map(|strain| strain.volume * plastic_work(strain.plastic));
         PlasticElements { intact: work.sum(), tearing: tearing.len() }
     }
 }
