@@ -3,8 +3,8 @@
 //!
 //! A line is its fields in order, between blanks:
 //!
-//! - `NAME`, a value. A name in small letters says nothing of a film: readers pass over its value, and warn of any other that they do
-//!   not know.
+//! - `NAME`, a value. A name in small letters says nothing of a film: readers pass over its value, and warn of any other that
+//!   they do not know.
 //! - `NAME#`, a whole number, which has half the columns of a real one in OpenRadioss.
 //! - `NAME:quantity`, a number in the unit of the card, which is SI in this program.
 //! - `NAME=text`, a field that is always written so, blank where there is no text.

@@ -50,8 +50,8 @@ pub(crate) const LAW43: Layout = &[
     "R00 R45 R90 C_HARD=0.0 I_YIELD0#=1",
     "EPS_P_MAX=1.0E30 EPS_T=1.0E30 EPS_M=1.0E30 f_cut=0.0 f_smooth#=0",
 ];
-/// Its fibres are straight (a crimp of zero would be taken for 0.1), and have a thousandth of their stiffness where they are bent, the
-/// solver's default.
+/// Its fibres are straight (a crimp of zero would be taken for 0.1), and have a thousandth of their stiffness where they are
+/// bent, the solver's default.
 pub(crate) const LAW58: Layout = &[
     "RHO_I:density",
     "e1:stress B1=0.0 e2:stress B2=0.0 flex=0.001",

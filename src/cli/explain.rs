@@ -22,10 +22,10 @@ use study::store::run_files::{ENERGIES, SIGNALS};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
-    /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a finding,
-    /// e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g. energy_absorption; a solver that cards are
-    /// written for, e.g. ls-dyna; `keys`, `functions`, `findings`, `columns`, `figures` or `solvers` for all of them; `formats` for the
-    /// formats of recordings
+    /// Key path, e.g. specimen.mesh, or its end, e.g. mesh [default: the top tables]; a script function, e.g. plot; the code of a
+    /// finding, e.g. coarse-contact; a column of signals.csv or energies.csv, e.g. clamp_slip_m; a figure of summary.json, e.g.
+    /// energy_absorption; a solver that cards are written for, e.g. ls-dyna; `keys`, `functions`, `findings`, `columns`,
+    /// `figures` or `solvers` for all of them; `formats` for the formats of recordings
     #[arg(value_name = "KEY", add = shell::keys())]
     pub path: Option<String>,
 }

@@ -44,7 +44,8 @@ pub(super) struct RunArgs {
     /// Vector instructions of the kernels; left out, the widest that the processor has. Results are the same to the bit
     #[arg(long, value_name = "WIDTH", value_parser = choice(&WIDTHS))]
     pub width: Option<Width>,
-    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd, frame.pvd (the bars) and springs.pvd, with strain, stress and thickness
+    /// Also write the snapshots for ParaView: film.pvd, impactor.pvd, frame.pvd (the bars) and springs.pvd, with strain, stress
+    /// and thickness
     #[arg(long)]
     pub vtu: bool,
 }

@@ -7,7 +7,6 @@ use quick_xml::escape::escape;
 
 use super::camera::Camera;
 use super::drawing::SCENE;
-use base::number::significant;
 use plot::{Along, Style, viridis};
 
 const INK: &str = "#1c2126";
@@ -15,9 +14,6 @@ const PALE: &str = "#56616b";
 
 /// Most numbers beside a colour bar.
 const NUMBERS: usize = 8;
-
-/// Digits of a number beside a colour bar.
-const DIGITS: usize = 4;
 
 /// The places of the parts of a picture, pt.
 pub(super) struct Setting<'a> {
@@ -86,11 +82,10 @@ impl Setting<'_> {
              <rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{wide:.2}\" height=\"{high:.2}\" fill=\"url(#bar)\"/>"
         );
         let [low, most] = range.map(f64::from);
-        let along = Along::between(low, most);
-        for value in along.ticks(NUMBERS) {
-            let at = y + high * (1.0 - along.share(value));
+        for (share, number) in Along::between(low, most, NUMBERS).ticks() {
+            let at = y + high * (1.0 - share);
             let (from, to) = (x + wide, x + wide + 0.35 * em);
-            let number = significant(value, DIGITS).replace('-', "−");
+            let number = number.replace('-', "−");
             let _ = writeln!(
                 out,
                 "<path d=\"M{from:.2} {at:.2}H{to:.2}\" stroke=\"{PALE}\" stroke-width=\"{:.2}\"/>\n\

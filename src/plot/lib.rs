@@ -7,7 +7,7 @@ mod style;
 pub mod viridis;
 
 pub use braille::braille;
-pub use picture::{Along, svg, svg_in, ticks};
+pub use picture::{Along, svg, svg_in};
 pub use style::Style;
 
 use serde::{Deserialize, Serialize};

@@ -30,7 +30,7 @@ const DASH: [i32; 2] = [6, 4];
 /// Most ticks of an axis.
 const TICKS: usize = 10;
 
-/// Digits of a tick.
+/// Digits of a tick, where they tell it from its neighbours.
 const TICK_DIGITS: usize = 6;
 
 /// Least length of an axis, as a share of the largest size on it.
@@ -194,14 +194,14 @@ fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), B
         let title = layout.font().style(FontStyle::Bold).resize(f64::from(layout.scale(14)) * FONT);
         area.draw(&Text::new(plot.title.as_str(), (layout.left(), layout.scale(10)), title.color(&INK)))?;
     }
-    let beside = layout.scale(5);
+    let (beside, [across, up]) = (layout.scale(5), layout.ticks());
     let mut chart = ChartBuilder::on(area)
         .margin_top(layout.top())
         .margin_right(layout.right())
         .x_label_area_size(layout.bottom())
         .margin_left(beside)
         .y_label_area_size(layout.left() - beside)
-        .build_cartesian_2d(Along::from_plot(plot, 0), Along::from_plot(plot, 1))?;
+        .build_cartesian_2d(Along::from_plot(plot, 0, across), Along::from_plot(plot, 1, up))?;
     let [x, y] = [chart.x_range(), chart.y_range()];
     if let Some(window) = &plot.window {
         let [from, to] = window.range.map(|at| at.clamp(x.start, x.end));
@@ -211,8 +211,8 @@ fn draw_field(plot: &Plot, layout: &Layout<'_>, area: &Area<'_>) -> Result<(), B
         .configure_mesh()
         .bold_line_style(ShapeStyle::from(GRID).stroke_width(layout.hairline()))
         .axis_style(ShapeStyle::from(FRAME).stroke_width(layout.hairline()))
-        .x_labels(layout.ticks()[0])
-        .y_labels(layout.ticks()[1])
+        .x_labels(across)
+        .y_labels(up)
         .light_line_style(TRANSPARENT)
         .set_all_tick_mark_size(layout.scale(4))
         .label_style(layout.text())
@@ -269,24 +269,37 @@ pub struct Along {
     /// Of its ends.
     range: [f64; 2],
     scale: Scale,
+    /// Most of its ticks.
+    most: usize,
+    /// Digits that tell neighbours among them apart.
+    digits: usize,
 }
 
 impl Along {
-    /// Those of x (0) or y (1).
-    pub fn from_plot(plot: &Plot, index: usize) -> Along {
+    fn new(range: [f64; 2], scale: Scale, most: usize) -> Along {
+        let mut along = Along { range, scale, most, digits: TICK_DIGITS };
+        let values = along.key_points(most);
+        let digits = TICK_DIGITS..=f64::DIGITS as usize;
+        let tells = |digits: &usize| {
+            values.windows(2).all(|pair| significant(pair[0], *digits) != significant(pair[1], *digits))
+        };
+        along.digits = digits.clone().find(tells).unwrap_or(*digits.end());
+        along
+    }
+
+    /// Those of x (0) or y (1), with at most so many ticks.
+    pub fn from_plot(plot: &Plot, index: usize, most: usize) -> Along {
         let scale = [plot.x.scale, plot.y.scale][index];
         let points = plot.curves.iter().flat_map(|curve| &curve.points).filter(|point| plot.has_place(point));
         let ends = ends(points.map(|point| point[index]));
-        Along { range: widened(ends.unwrap_or([1.0, 2.0]), scale), scale }
+        Along::new(widened(ends.unwrap_or([1.0, 2.0]), scale), scale, most)
     }
 
-    /// Those of a linear axis from `low` to `high`; it is wider where these are the same.
-    pub fn between(low: f64, high: f64) -> Along {
+    /// Those of a linear axis from `low` to `high` with at most so many ticks; it is wider where these ends are the same.
+    pub fn between(low: f64, high: f64, most: usize) -> Along {
         let (ends, scale) = ([low, high], Scale::Linear);
-        Along {
-            range: if high - low > LEAST_SPAN * low.abs().max(high.abs()) { ends } else { widened(ends, scale) },
-            scale,
-        }
+        let range = if high - low > LEAST_SPAN * low.abs().max(high.abs()) { ends } else { widened(ends, scale) };
+        Along::new(range, scale, most)
     }
 
     /// Where a value lies: zero at the lower end, one at the upper.
@@ -295,9 +308,9 @@ impl Along {
         (self.scale.along(value) - low) / (high - low)
     }
 
-    /// At most so many round values.
-    pub fn ticks(&self, most: usize) -> Vec<f64> {
-        self.key_points(most)
+    /// Where round values lie, and how they are written.
+    pub fn ticks(&self) -> Vec<(f64, String)> {
+        self.key_points(self.most).iter().map(|value| (self.share(*value), self.format_ext(value))).collect()
     }
 }
 
@@ -329,7 +342,7 @@ impl Ranged for Along {
 
 impl ValueFormatter<f64> for Along {
     fn format_ext(&self, value: &f64) -> String {
-        tick(*value)
+        significant(*value, self.digits)
     }
 }
 
@@ -407,21 +420,6 @@ fn draw_entry(
     Ok(area.draw(&Text::new(curve.name.as_str(), place, layout.text()))?)
 }
 
-/// A value of an axis as it is written beside it.
-fn tick(value: f64) -> String {
-    significant(value, TICK_DIGITS)
-}
-
-/// Values of an axis as they are written beside it, with as many digits as tell neighbours apart.
-pub fn ticks(values: &[f64]) -> Vec<String> {
-    let words = |digits| values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>();
-    let mut all = (TICK_DIGITS..=f64::DIGITS as usize).map(words);
-    all.clone()
-        .find(|words| words.windows(2).all(|pair| pair[0] != pair[1]))
-        .or_else(|| all.next_back())
-        .unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
@@ -431,10 +429,14 @@ mod tests {
     #[test]
     fn neighbours_far_from_nothing_have_words_of_their_own() {
         for [low, high] in [[1.0, 1.00001], [1.23e12, 1.23e12 + 4e6], [-2e-9, 3e-9], [101_325.0, 101_325.5]] {
-            let words = ticks(&Along::between(low, high).ticks(7));
-            let different: BTreeSet<&String> = words.iter().collect();
-            assert!(words.len() > 3 && different.len() == words.len(), "{words:?}");
+            let ticks = Along::between(low, high, 7).ticks();
+            let different: BTreeSet<&String> = ticks.iter().map(|(_, words)| words).collect();
+            assert!(ticks.len() > 3 && different.len() == ticks.len(), "{ticks:?}");
         }
+        let pressed = Curve::line("c", [[0.0, 101_325.0], [1.0, 101_325.5]]);
+        let text = svg(&Plot::new("t", ["time (s)", "pressure (Pa)"], vec![pressed]));
+        let numbers: Vec<&str> = text.split('\n').map(str::trim).filter(|line| line.starts_with("101325")).collect();
+        assert!(numbers.len() > 3 && numbers.windows(2).all(|pair| pair[0] != pair[1]), "{text}");
     }
 
     #[test]
@@ -445,7 +447,7 @@ mod tests {
             (Scale::Logarithmic, [0.02, 300.0], "0.1 1 10 100"),
             (Scale::Logarithmic, [1.0, 30.0], "1 2 5 10 20"),
         ] {
-            let along = Along { range, scale };
+            let along = Along::new(range, scale, TICKS);
             let found: Vec<String> = along.key_points(TICKS).iter().map(|tick| along.format_ext(tick)).collect();
             assert_eq!(found.join(" "), expected);
         }
@@ -490,7 +492,7 @@ mod tests {
         let points = [[0.0, 0.0], [1.0, 2.0], [2.0, f64::NAN], [4.0, 1.0], [4.0, 2.0]];
         let curves = vec![Curve::line("a < b", points), Curve::line("b", [[0.0, 2.0], [4.0, 2.0]]).dashed()];
         let plot = Plot::new("A & B", ["time (s)", "force (N)"], curves);
-        assert_eq!([0, 1].map(|axis| Along::from_plot(&plot, axis).range), [[0.0, 4.16], [0.0, 2.08]]);
+        assert_eq!([0, 1].map(|axis| Along::from_plot(&plot, axis, TICKS).range), [[0.0, 4.16], [0.0, 2.08]]);
         let text = svg(&plot);
         let [left, top, right, bottom] =
             [62 * UNITS, 34 * UNITS, SIZE[0] - 24 * UNITS, SIZE[1] - 46 * UNITS].map(f64::from);
@@ -557,8 +559,8 @@ mod tests {
     fn a_logarithmic_axis_has_no_place_for_zero() {
         let mut plot = Plot::new("t", ["x", "y"], vec![Curve::line("c", [[0.0, 1.0], [1.0, 2.0], [100.0, 3.0]])]);
         plot.x.scale = Scale::Logarithmic;
-        assert_eq!(Along::from_plot(&plot, 0).range, [1.0, 100.0]);
-        assert_eq!(Along::from_plot(&plot, 0).map(&10.0, (0, 200)), 100);
+        assert_eq!(Along::from_plot(&plot, 0, TICKS).range, [1.0, 100.0]);
+        assert_eq!(Along::from_plot(&plot, 0, TICKS).map(&10.0, (0, 200)), 100);
         let text = svg(&plot);
         assert!(polylines(&text, "#1F77B4").iter().all(|line| line.len() == 2), "{text}");
         assert!(!text.contains("NaN") && !text.contains("inf"));

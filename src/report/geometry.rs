@@ -130,6 +130,11 @@ impl SceneBody {
     }
 }
 
+/// The corners of a patch; a triangle has its last one twice.
+pub fn corners(patch: &[u32; 4]) -> &[u32] {
+    if patch[2] == patch[3] { &patch[..3] } else { patch }
+}
+
 /// Unit normals at the corners of each patch that is `drawn`: of those around the corner by their areas, as far as they turn
 /// away from the patch by less than the angle whose cosine is `crease`. Others, and those without an area, have none.
 pub fn corner_normals(
@@ -146,8 +151,7 @@ pub fn corner_normals(
     let areas: Vec<Vector3<f64>> = patches.iter().zip(drawn).map(area).collect();
     let mut around: Vec<Vec<u32>> = vec![vec![]; points.len()];
     for (at, patch) in patches.iter().enumerate().filter(|(at, _)| drawn[*at]) {
-        let corners = if patch[2] == patch[3] { &patch[..3] } else { &patch[..] };
-        corners.iter().for_each(|node| around[*node as usize].push(at as u32));
+        corners(patch).iter().for_each(|node| around[*node as usize].push(at as u32));
     }
     let mean = |own: &Vector3<f64>, node: u32| {
         let others = around[node as usize].iter().map(|other| areas[*other as usize]);
@@ -315,15 +319,16 @@ impl Field {
         intact.map(|(element, _)| self.value(state, element)).fold(0.0, f32::max)
     }
 
-    /// Values at the nodes of a face, in its unit: the mean of the intact patches around each, zero where there is none.
+    /// Values at the nodes of a face, in its unit: the mean of the intact patches around each that have one, zero where there is
+    /// none.
     pub fn at_nodes(&self, face: &SceneFace, state: &FilmState) -> Vec<f32> {
         let mut sums = vec![(0.0_f32, 0.0_f32); face.nodes];
         let patches = face.patches.iter().zip(&state.failed).enumerate();
-        for (place, (patch, _)) in patches.filter(|(_, (_, failed))| !**failed) {
-            let corners = if patch[2] == patch[3] { &patch[..3] } else { &patch[..] };
-            for node in corners {
+        let values = patches.map(|(place, (patch, failed))| (patch, *failed, self.factor * self.value(state, place)));
+        for (patch, _, value) in values.filter(|(_, failed, value)| !failed && !value.is_nan()) {
+            for node in corners(patch) {
                 let (sum, patches) = &mut sums[*node as usize];
-                *sum += self.factor * self.value(state, place);
+                *sum += value;
                 *patches += 1.0;
             }
         }
@@ -355,6 +360,10 @@ mod tests {
         assert_eq!(FIELDS.each_ref().map(|field| field.largest(&state)), [0.4, 0.2, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0]);
         let thin = FilmState { thickness_ratio: vec![0.9, 0.7, 0.1], ..state.clone() };
         assert!((FIELDS[4].largest(&thin) - 0.3).abs() < 1e-6, "of the intact elements");
+        let lost = FilmState { thickness_ratio: vec![f32::NAN, 0.7, 0.1], ..state.clone() };
+        let losses = FIELDS[4].at_nodes(&face, &lost);
+        assert_eq!([losses[0], losses[1]], [0.0, losses[4]], "without thickness there is none to lose");
+        assert!((losses[4] - 30.0).abs() < 1e-4, "{losses:?}");
         let shear = at_nodes(&FIELDS[3]);
         assert!((shear[4] - 0.5_f32.to_degrees()).abs() < 1e-4, "shear is in degrees: {shear:?}");
         assert_eq!(Field::all_in(std::slice::from_ref(&state)).count(), 4);

@@ -190,11 +190,10 @@ pub(crate) fn findings<'f>(facts: Vec<String>, findings: impl IntoIterator<Item 
         empty if empty.is_empty() => empty,
         list => format!("<div class=\"warnings\">\n<h2>Warnings</h2>\n{list}</div>\n"),
     };
-    let folded = |title: &str, mut words: Vec<&str>, findings: &[&Finding]| match items(grouped(findings).into_iter()) {
+    let folded = |title: &str, words: Vec<&str>, findings: &[&Finding]| match items(grouped(findings).into_iter()) {
         empty if empty.is_empty() => empty,
         list => {
-            words.dedup();
-            let summary = format!("{title}: {}", escape(&words.join(", ")));
+            let summary = format!("{title}: {}", escape(&group::unique(words).join(", ")));
             format!("<details class=\"open\">\n<summary>{summary}</summary>\n{list}</details>\n")
         }
     };
@@ -444,6 +443,7 @@ pub(crate) fn folded(line: &str, content: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::finding::Severity;
 
     #[test]
     fn units_stay_with_their_numbers() {
@@ -483,10 +483,14 @@ mod tests {
     #[test]
     fn what_a_films_data_leave_open_and_notes_are_folded() {
         let open = ["uncoupled-biaxial", "strain-rate-outside"].map(|code| Finding::of_script(code, "65 %"));
-        let html = findings(vec![], &open);
+        let note = |code| Finding { severity: Severity::Note, ..Finding::of_script(code, "a fact") };
+        // Of two tests.
+        let notes = ["settled", "own-note", "settled", "own-note"].map(note);
+        let html = findings(vec![], open.iter().chain(&notes));
         assert!(!html.contains("<h2>Warnings</h2>"), "{html}");
         let summary = "<summary>What this film's data leave open: coupling of MD and TD, strain rates</summary>";
         assert!(html.contains(summary) && html.contains("65 % <code>uncoupled-biaxial</code>"), "{html}");
+        assert!(html.contains("<summary>Notes: settled, own-note</summary>"), "{html}");
     }
 
     #[test]

@@ -28,7 +28,6 @@ pub use crate::drop_page::{DropPage, DropScatter, DropTest, FigureScatter, drop_
 pub use crate::figure::{Figure, G, escaped, markdown};
 pub use crate::film::run_scene;
 pub use crate::fit_page::{FitPage, FitTable, fit_page};
-pub use crate::geometry::{FIELDS, Field, Moment, RunScene, SceneBody, SceneFace};
 pub use crate::html::page;
 pub use crate::progress_page::{Counts, Pace, PageTime, StudyCall, StudyProgress, StudyState, ended_page};
 pub use crate::run_page::{RunPage, run_page};

@@ -11,7 +11,8 @@ use serde_json::Value;
 
 use crate::drawn::{PLOT, PlotData};
 use crate::film_data::FilmData;
-use crate::{RunScene, html};
+use crate::geometry::RunScene;
+use crate::html;
 use base::diagnostic::Diagnostic;
 use base::file::{self, FileError};
 use plot::Plot;

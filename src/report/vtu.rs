@@ -40,7 +40,7 @@ use vtkio::model::{
 };
 use vtkio::xml::Compressor;
 
-use crate::geometry::{SceneBody, SceneFace, poses};
+use crate::geometry::{SceneBody, SceneFace, corners, poses};
 use scene::model::{Face, Model};
 use scene::simulate::{Detail, FilmSpring, FilmState, Image, Outcome, Snapshot, SpringDetail};
 use study::store::run_files::SNAPSHOTS;
@@ -202,7 +202,7 @@ fn posed(bodies: &[SceneBody], poses: impl Iterator<Item = Isometry3<f64>>) -> G
     for ((number, body), pose) in (1..).zip(bodies).zip(poses) {
         let first = grid.points.len() as u64;
         grid.points.extend(body.placed(pose).map(|place| <[f32; 3]>::from(place.map(|c| c as f32))));
-        grid.cells.extend(body.patches.iter().map(|patch| corners(*patch, first)));
+        grid.cells.extend(body.patches.iter().map(|patch| cell(patch, first)));
         of_cells.extend(body.patches.iter().map(|_| number));
     }
     if bodies.len() > 1 {
@@ -212,9 +212,8 @@ fn posed(bodies: &[SceneBody], poses: impl Iterator<Item = Isometry3<f64>>) -> G
 }
 
 /// The corners of a patch whose points begin at this number of the file.
-fn corners(patch: [u32; 4], first: u64) -> Vec<u64> {
-    let corners = if patch[2] == patch[3] { &patch[..3] } else { &patch[..] };
-    corners.iter().map(|node| first + u64::from(*node)).collect()
+fn cell(patch: &[u32; 4], first: u64) -> Vec<u64> {
+    corners(patch).iter().map(|node| first + u64::from(*node)).collect()
 }
 
 /// One number for each point or cell.
@@ -369,7 +368,7 @@ fn on_cells(cells: &[Cell<'_>], with_thickness: bool) -> Vec<Attribute> {
 impl Cell<'_> {
     /// Indices of its points in the file, in the orientation of the film itself.
     fn corners(&self) -> Vec<u64> {
-        let mut corners = corners(self.sheet.shape.patches[self.element], self.sheet.first);
+        let mut corners = cell(&self.sheet.shape.patches[self.element], self.sheet.first);
         if self.sheet.image.is_reversed() {
             corners.reverse();
         }

@@ -568,7 +568,8 @@ mod tests {
         }
     }
 
-    /// Failure beyond the last level is bounded by the probability of that level; of fewer than a tenth that fail there, the share counts.
+    /// Failure beyond the last level is bounded by the probability of that level; of fewer than a tenth that fail there, the
+    /// share counts.
     #[test]
     fn failure_that_no_level_reached_is_bounded() {
         let rare = within_levels(2, &Sampling::default(), 2, &mut linear(6.0)).unwrap();

@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 
 use droptower::picture::{Part, ScenePicture, View};
 use droptower::plot::Style;
-use droptower::report::{FIELDS, RunScene, SceneBody, SceneFace, StoredPage};
+use droptower::report::StoredPage;
+use droptower::report::geometry::{FIELDS, RunScene, SceneBody, SceneFace};
 use droptower::simulate::{FilmSpring, FilmState, Snapshot};
 use image::RgbImage;
 use tempfile::TempDir;

@@ -512,8 +512,8 @@ fn summary_of_sweep(scene: &TempDir) -> Json {
     summary(scene.path(), &[])
 }
 
-/// A run, a sweep and a script that replace their own results say what was given otherwise before, unless it was the same or `--force`
-/// asks for it.
+/// A run, a sweep and a script that replace their own results say what was given otherwise before, unless it was the same or
+/// `--force` asks for it.
 #[test]
 fn results_of_other_changes_are_not_replaced_without_a_word() {
     let scene = scene("[variation]\n\"impactor.mass\" = [\"10 kg\", \"11 kg\"]\n");

@@ -1,4 +1,5 @@
-//! What the tests of all packages share: a switch for thorough runs, cases that are tests of their own, numbers, and a sphere of triangles.
+//! What the tests of all packages share: a switch for thorough runs, cases that are tests of their own, numbers, and a sphere of
+//! triangles.
 
 /// Whether `DROPTOWER_THOROUGH=1` asks for what repeats a proof: on more meshes, angles and scenes, with more seeds and kills.
 pub fn thorough() -> bool {

@@ -7,7 +7,7 @@ use re_sdk_types::AsComponents;
 use re_sdk_types::archetypes::{Boxes2D, LineStrips2D, Points2D};
 use re_sdk_types::components::Radius;
 
-use crate::quantity::{GREY, Stroke, ticks};
+use crate::quantity::{GREY, NUMBERS, Stroke};
 use plot::{Along, Curve, Look, Plot, Window};
 
 /// Width of the box that curves are drawn in over its height.
@@ -65,7 +65,7 @@ struct Page<'a> {
 
 impl Page<'_> {
     fn from_plot(plot: &Plot) -> Page<'_> {
-        Page { plot, x: Along::from_plot(plot, 0), y: Along::from_plot(plot, 1) }
+        Page { plot, x: Along::from_plot(plot, 0, NUMBERS), y: Along::from_plot(plot, 1, NUMBERS) }
     }
 
     fn point_at(&self, point: &[f64; 2]) -> Option<Point> {
@@ -75,8 +75,8 @@ impl Page<'_> {
     /// The box and its ticks.
     fn border(&self) -> LineStrips2D {
         let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]].map(|[x, y]| place(x, y)).to_vec();
-        let below = ticks(&self.x).into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
-        let left = ticks(&self.y).into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
+        let below = self.x.ticks().into_iter().map(|(x, _)| vec![place(x, 0.0), place(x, -TICK)]);
+        let left = self.y.ticks().into_iter().map(|(y, _)| vec![place(0.0, y), place(-TICK / WIDTH, y)]);
         let strips: Vec<_> = std::iter::once(outline).chain(below).chain(left).collect();
         LineStrips2D::new(strips).with_colors([GREY]).with_radii([Radius::new_ui_points(0.5)])
     }
@@ -84,8 +84,8 @@ impl Page<'_> {
     /// Numbers at the ticks and the labels of both axes.
     fn labels(&self) -> Points2D {
         let Plot { x, y, .. } = self.plot;
-        let below = ticks(&self.x).into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
-        let left = ticks(&self.y).into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
+        let below = self.x.ticks().into_iter().map(|(x, words)| (place(x, -BELOW[0]), words));
+        let left = self.y.ticks().into_iter().map(|(y, words)| (place(-LEFT / WIDTH, y + LABEL), words));
         let across = (place(0.5, -BELOW[1]), x.label.clone());
         let up = (place(0.0, 1.0 + 4.0 * LABEL), y.label.clone());
         texts(below.chain(left).chain([across, up]), [GREY])

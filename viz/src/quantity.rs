@@ -6,7 +6,7 @@ use re_sdk_types::components::Radius;
 
 use plot::Along;
 use plot::viridis::viridis;
-use report::Field;
+use report::geometry::Field;
 
 /// The timeline of what is simulated or measured, in seconds since the start.
 pub const TIME: &str = "time";
@@ -48,8 +48,8 @@ impl Quantity {
     pub(crate) fn log_numbers(&self, stream: &RecordingStream, from: f64) -> RecordingStreamResult<()> {
         stream.set_duration_secs(TIME, from);
         let [low, high] = self.range.map(f64::from);
-        let along = Along::between(low, high);
-        let numbers = ticks(&along).into_iter().map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
+        let ticks = Along::between(low, high, NUMBERS).ticks().into_iter();
+        let numbers = ticks.map(|(share, words)| ([2.6 * WIDTH, 1.0 - share as f32], words));
         let title = ([2.0 * WIDTH, -0.06], format!("{}, {}", self.field.symbol, self.field.unit));
         let (places, words): (Vec<[f32; 2]>, Vec<String>) = numbers.chain([title]).unzip();
         let labels = Points2D::new(places)
@@ -62,13 +62,7 @@ impl Quantity {
 }
 
 /// Most numbers along an axis or a bar.
-const NUMBERS: usize = 7;
-
-/// Where along an axis its numbers stand, and their words.
-pub(crate) fn ticks(along: &Along) -> Vec<(f64, String)> {
-    let values = along.ticks(NUMBERS);
-    values.iter().map(|value| along.share(*value)).zip(plot::ticks(&values)).collect()
-}
+pub(crate) const NUMBERS: usize = 7;
 
 /// Colour of text and guide lines.
 pub(crate) const GREY: [u8; 3] = [128, 128, 132];
@@ -139,8 +133,9 @@ mod tests {
 
     #[test]
     fn numbers_of_a_bar_are_round_and_within_it() {
-        let words =
-            |low, high| ticks(&Along::between(low, high)).into_iter().map(|(_, words)| words).collect::<Vec<_>>();
+        let words = |low, high| -> Vec<String> {
+            Along::between(low, high, NUMBERS).ticks().into_iter().map(|(_, words)| words).collect()
+        };
         assert_eq!(words(0.0, 0.1), ["0", "0.02", "0.04", "0.06", "0.08", "0.1"]);
         assert_eq!(words(0.3, 57.0), ["10", "20", "30", "40", "50"]);
     }

@@ -1,7 +1,7 @@
 //! The units that quantities and recordings are written in.
 //!
-//! [`UNITS`] says what a unit is worth, [`WRITTEN`] where this program writes it. Units that laboratories do not use are left out, since
-//! their letters mean something else in the headers of recordings: `d` is a travel, `t` a time, `a` an acceleration.
+//! [`UNITS`] says what a unit is worth, [`WRITTEN`] where this program writes it. Units that laboratories do not use are left
+//! out, since their letters mean something else in the headers of recordings: `d` is a travel, `t` a time, `a` an acceleration.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -113,8 +113,8 @@ pub(super) fn find(symbol: &str) -> Option<(f64, Powers)> {
     BY_NAME.get(symbol).copied()
 }
 
-/// A unit as scenarios and names write it, as it is printed, and its uses: `u` where it is suggested, `r` where a person reads a quantity
-/// in it, `e` where names end with it.
+/// A unit as scenarios and names write it, as it is printed, and its uses: `u` where it is suggested, `r` where a person reads a
+/// quantity in it, `e` where names end with it.
 type Written = (&'static str, &'static str, &'static str);
 
 /// Units that this program writes, by the SI unit, in ascending order.

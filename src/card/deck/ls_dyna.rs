@@ -12,8 +12,8 @@ use crate::layout::Field::{Blank, Real, Whole};
 use crate::layout::{Field, Layout, in_columns};
 use crate::ls_dyna::{define_curve, keyword};
 
-/// Keywords of a deck. The stiffness of a contact follows from masses and the time step (`soft` 1): film is far softer than the body.
-/// A mounting prescribes displacements (`vad` 2).
+/// Keywords of a deck. The stiffness of a contact follows from masses and the time step (`soft` 1): film is far softer than the
+/// body. A mounting prescribes displacements (`vad` 2).
 const TERMINATION: Layout = &["endtim:time endcyc dtmin endeng endmas nosol"];
 const SHELL: Layout = &["wrpang= esort= irnxx= istupd=1 theory= bwc= miter= proj="];
 const OUTPUT: Layout = &["dt:time binary lcur ioopt"];

@@ -307,8 +307,8 @@ fn of_film(points: Points, kind: Ordinate) -> Result<Points, &'static str> {
 }
 
 /// The share of the stored energy that is lost, where the curves of the fields `paths`, in order MD, TD and shear, are the loading
-/// ones compressed towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a card;
-/// other paths are no absorption, and warned of.
+/// ones compressed towards the strain from which film unloads (theory.md, equation 8), all by one share, within the digits of a
+/// card; other paths are no absorption, and warned of.
 fn absorption(
     reader: &mut Reader,
     fields: &Fields<'_, '_>,

@@ -12,7 +12,8 @@ use base::diagnostic::{Diagnostic, shown_path};
 use base::number::duration;
 use picture::{Drawing, PictureError};
 use plot::Plot;
-use report::{Field, RunScene, StoredPage};
+use report::StoredPage;
+use report::geometry::{Field, RunScene};
 
 pub(super) use crate::picture::args::PictureArgs;
 

@@ -14,7 +14,8 @@ use base::number::{duration, significant};
 use base::units::Time;
 use lab::signal::column;
 use picture::{ScenePicture, gltf};
-use report::{FIELDS, Field, RunScene, StoredPage, run_scene};
+use report::geometry::{FIELDS, Field, RunScene};
+use report::{StoredPage, run_scene};
 use scene::simulate::{self, RunError, RunOptions, Snapshot};
 use study::store::{StoredRun, run_files};
 

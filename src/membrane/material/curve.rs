@@ -160,12 +160,13 @@ impl Curve {
         self.segments[0].slope
     }
 
-    /// Largest slope that begins at a strain which few steps reach, Pa: what film that is soft at rest soon has.
+    /// Largest slope that begins at a strain film reaches within few steps, Pa, or of all where that is zero.
     pub fn early_slope(&self) -> f64 {
         /// That strain.
         const EARLY: f64 = 0.1;
-        let early = self.segments.iter().filter(|segment| segment.start <= EARLY);
-        early.map(|segment| segment.slope).fold(0.0, f64::max)
+        let largest = |end| self.segments.iter().filter(|of| of.start <= end).map(|of| of.slope).fold(0.0, f64::max);
+        let early = largest(EARLY);
+        if early > 0.0 { early } else { largest(f64::INFINITY) }
     }
 
     /// Stress at one strain, Pa.

@@ -53,6 +53,8 @@ pub(super) struct Scene<'a> {
     pub hold: &'a Hold,
     /// Whether its outline has holes.
     pub has_holes: bool,
+    /// Whether it gives the vent of its air.
+    pub has_vent: bool,
 }
 
 impl Scene<'_> {
@@ -224,6 +226,8 @@ exclusions! {
         "air.vent", "air.discharge", "air.density", "air.pressure" beside "no `air.cushion`"
             when |s| s.is_impact() && !s.has_cushion()
             => hint "no air is enclosed without `cushion`".
+        "air.discharge" beside "no `air.vent`" when |s| s.is_impact() && s.has_cushion() && !s.has_vent
+            => hint "closed air does not flow: give `vent`".
         "air.cushion" beside "`frame.hold`, unless \"all\"" when |s| s.is_impact() && *s.hold != Hold::All
             => "air escapes past an edge that is not held"; hint "hold \"all\"".
         "contact.itself" beside "neither impactor nor gas" when |s| s.scenario.contact.itself && !s.film_folds()

@@ -260,9 +260,6 @@ pub(super) fn check_air(scene: &Scene<'_>, faces: Option<&[Face]>, checker: &mut
     if air.cushion.is_none() {
         return Some(air);
     }
-    if checker.is_written("air.discharge") && !checker.is_written("air.vent") {
-        checker.out_of_place("air.discharge", "closed air does not flow: give `vent`");
-    }
     if faces.is_some_and(|faces| faces.len() != 2) {
         let hint = "a cushion has two faces; air between more of them is not supported yet";
         checker.report_with("air.cushion", "there is no air between exactly two faces of film", hint);

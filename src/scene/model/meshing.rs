@@ -192,7 +192,8 @@ pub fn check_size(model: &Model, checker: &mut Checker<'_>) {
     }
 }
 
-/// Reports a mesh that is too large, of whose elements so many `fit`, at the sizes that are implausible where there are any: they are its cause.
+/// Reports a mesh that is too large, of whose elements so many `fit`, at the sizes that are implausible where there are any: they
+/// are its cause.
 fn too_large(path: &str, message: String, fit: f64, checker: &mut Checker<'_>) {
     let is_size = |value: &Implausible| value.key.starts_with("specimen.shape.") || value.key.ends_with("mesh.size");
     let sizes: Vec<Implausible> = checker.document.implausible().into_iter().filter(is_size).collect();

@@ -73,7 +73,8 @@ fn model(scenario: &Scenario, checker: &mut Checker<'_>) -> Option<Model> {
     let hold = frame::check_hold(scenario, &loading, checker);
     let shape = specimen.as_ref().map(|specimen| &specimen.shape);
     let has_holes = matches!(shape, Some(Outline::Polygon(polygon)) if !polygon.holes.is_empty());
-    let scene = Scene { scenario, loading: &loading, hold: &hold, has_holes };
+    let has_vent = checker.is_written("air.vent");
+    let scene = Scene { scenario, loading: &loading, hold: &hold, has_holes, has_vent };
     let refused = checker.exclude("", &exclusions::scene(), &scene);
     let mut faces = specimen::check_faces(&scene, checker);
     let frame = frame::check(&scene, specimen.as_ref(), faces.as_deref(), &refused, checker);

@@ -1,14 +1,15 @@
-//! The tables of a file, a key a row: its sentence, its type, which gives the unit (`base::units`), and behind commas its bounds and its
-//! default.
+//! The tables of a file, a key a row: its sentence, its type, which gives the unit (`base::units`), and behind commas its bounds
+//! and its default.
 
-/// Declares tables and choices, as the structs and enums that a file is decoded into, with what schema, validator and `explain` say of
-/// them.
+/// Declares tables and choices, as the structs and enums that a file is decoded into, with what schema, validator and `explain`
+/// say of them.
 ///
-/// - Words of any key: `above`, `below`, `from` and `to` a bound (SI), `likely` two of what is plausible; `least` and `most` items of a
-///   list, `positive` items; `path` of a file; `title`, `written` as another name, `flat` where the keys of a table are those of this
-///   one; `usually` what a key that is left out stands for. `serde` and `schemars` take attributes of these.
-/// - A key that may be left out is an `Option`, or has the word `default`, for that of its type or that of a function, or `or empty`,
-///   for a list. In a table `with defaults` every key may be left out, and is then what stands behind `else`, or the default of its type.
+/// - Words of any key: `above`, `below`, `from` and `to` a bound (SI), `likely` two of what is plausible; `least` and `most`
+///   items of a list, `positive` items; `path` of a file; `title`, `written` as another name, `flat` where the keys of a table
+///   are those of this one; `usually` what a key that is left out stands for. `serde` and `schemars` take attributes of these.
+/// - A key that may be left out is an `Option`, or has the word `default`, for that of its type or that of a function, or
+///   `or empty`, for a list. In a table `with defaults` every key may be left out, and is then what stands behind `else`, or the
+///   default of its type.
 /// - An enum is one `of words`, one `of forms` of a value that are told apart by their content, or one of keys of which a table has
 ///   one. The validator has reported mistakes before serde tries the forms.
 macro_rules! keys {

@@ -28,7 +28,8 @@ keys! {
         /// Mass-proportional damping of the film; none where it is left out.
         damping: Rate, default, from 0;
         /// Cuts through all faces, each a line through its points (x and y of each): the elements that it passes through are
-        /// left out, at its ends those whose middle lies before them. With symmetry, of the computed part. A tear of film with `rupture` starts from their ends.
+        /// left out, at its ends those whose middle lies before them. With symmetry, of the computed part. A tear of film with
+        /// `rupture` starts from their ends.
         cuts: Vec<Vec<[Length; 2]>>, or empty, most 1000, schemars(inner(length(min = 2, max = 10_000))), likely [-20.0, 20.0];
         /// Time between mounting and loading of film with `prony`, which is mounted at once with its pre-strain; its stress has
         /// relaxed entirely where it is left out.

@@ -38,6 +38,7 @@ pub(super) fn scene(model: &Model) -> Result<Scene, RunError> {
     if excess > 1.0 { mounted(model, &*loading, excess * excess) } else { Ok(scene) }
 }
 
+/// The scene with this factor on the film's mass. One sequence: nodes are numbered, and held, in the order in which parts are added.
 fn mounted(model: &Model, loading: &dyn LoadCase, mass_scaling: f64) -> Result<Scene, RunError> {
     let mut nodes = Nodes::default();
     let mut films = vec![];

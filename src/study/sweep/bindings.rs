@@ -162,7 +162,7 @@ fn surrogate(scenario: &ScenarioHandle, options: &Options<'_>, host: &Host<'_>) 
     let factors = variation.factors;
     let axes = vec![Levels::Continuous; factors.len()];
     let points = design::points(Method::Sobol, &axes, samples, seed).map_err(refuse)?;
-    let sweep = Sweep::prepare_at(&document, &points).map_err(refused)?;
+    let sweep = Sweep::prepare_at(&document, points.clone()).map_err(refused)?;
     let results = host.results(&sweep)?;
     let families: Vec<Family> = factors.iter().map(family).collect();
     let of_keys = |values: Option<Vec<f64>>| -> Value {
@@ -286,7 +286,7 @@ fn figures(found: &Probability) -> Value {
 fn outputs(document: &Document, points: &[Vec<f64>], limit: &Limit, host: &Host<'_>) -> HostResult<Vec<Option<f64>>> {
     let unit = |z: &f64| normal::cumulative(*z).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON);
     let places: Vec<Vec<f64>> = points.iter().map(|point| point.iter().map(unit).collect()).collect();
-    let sweep = Sweep::prepare_at(document, &places).map_err(refused)?;
+    let sweep = Sweep::prepare_at(document, places).map_err(refused)?;
     let results = host.results(&sweep)?;
     let values = match results.table.column(&limit.figure) {
         Some(column) => column.values.numbers(),

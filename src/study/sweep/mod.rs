@@ -77,13 +77,13 @@ impl Sweep {
     ///
     /// # Errors
     /// As those of [`Sweep::prepare`].
-    pub fn prepare_at(document: &Document, places: &[Vec<f64>]) -> Result<Sweep, SweepError> {
+    pub fn prepare_at(document: &Document, places: Vec<Vec<f64>>) -> Result<Sweep, SweepError> {
         Sweep::with_points(document, |variation| Ok(variation.coupled(places)))
     }
 
     fn with_points(
         document: &Document,
-        points: impl Fn(&Variation) -> Result<Points, SweepError>,
+        points: impl FnOnce(&Variation) -> Result<Points, SweepError>,
     ) -> Result<Sweep, SweepError> {
         let variation = model::variation(document).map_err(SweepError::Scenario)?;
         let base = document.without_variation();

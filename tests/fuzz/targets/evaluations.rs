@@ -1,6 +1,7 @@
 //! Records of evaluations and runs that are kept whole.
 //!
-//! The first byte tells what the rest is: a file as it is, or a record or a whole run, which is packed and written with its checksum.
+//! The first byte tells what the rest is: a file as it is, or a record or a whole run, which is packed and written with its
+//! checksum.
 //!
 //! Readers: src/study/store/evaluations.rs src/study/evaluate.rs
 #![no_main]

@@ -225,14 +225,15 @@ impl Variation {
         }
         let chosen = design::points(self.sampling(), &self.levels(), count, self.seed)
             .map_err(|error| Diagnostic::new(error.to_string()))?;
-        Ok(self.coupled(&chosen))
+        Ok(self.coupled(chosen))
     }
 
     /// The points at places of independent factors.
-    pub fn coupled(&self, places: &[Vec<f64>]) -> Points {
-        let coupled =
-            |place: &Vec<f64>| self.correlation.as_ref().map_or_else(|| place.clone(), |own| own.apply(place));
-        Points::Places(places.iter().map(coupled).collect())
+    pub fn coupled(&self, places: Vec<Vec<f64>>) -> Points {
+        Points::Places(match &self.correlation {
+            Some(correlation) => places.iter().map(|place| correlation.apply(place)).collect(),
+            None => places,
+        })
     }
 
     /// The values of the run at `place` among `points`.

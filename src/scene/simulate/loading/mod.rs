@@ -77,8 +77,8 @@ const PERIODS: f64 = 50.0;
 /// First zero of the Bessel function J₀: angular frequency of a round membrane over its wave speed and radius.
 const ROUND: f64 = 2.404_826;
 
-/// Periods of the softest face in `time` (s), where `stretch` is what a face of a radius (m) is stretched by at the end of the test
-/// (theory.md, section 10): an estimate within a factor of two. None where it hangs on springs, which give way.
+/// Periods of the softest face in `time` (s); none on springs, which give way. `stretch` is that of a face of a radius (m) at
+/// the end of the test (theory.md, section 10): an estimate within a factor of two.
 fn periods(model: &Model, time: f64, stretch: impl Fn(&Face, f64) -> f64) -> f64 {
     let radius = radius(&model.specimen.shape, &model.frame.hold).filter(|_| model.frame.springs.is_none());
     let Some(radius) = radius else { return 0.0 };
