@@ -20,8 +20,12 @@ const RECOVERY: f64 = 0.02;
 /// gains energy, which a slower recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
-/// Largest number of Gauss–Seidel sweeps in a step.
-const SWEEPS: usize = 40;
+/// Largest number of Gauss–Seidel sweeps in a step on a round body, after which a whole film is that of its mirrored quarter to
+/// 0.4 % of the force where elements are 0.6 of the radius (to 0.7 % after 10, 0.004 % after 40, which take a third longer).
+const SWEEPS: usize = 20;
+
+/// On a body with edges, where an element meets several at once.
+const SWEEPS_AT_EDGES: usize = 40;
 
 /// Sweeps for which contact between faces, once it has converged, waits for that with the body.
 const AWAITED: usize = 10;
@@ -209,7 +213,8 @@ impl Contact {
         if let Some(between) = &between {
             self.add_near_constraints(constraints, between.detected_within(), step);
         }
-        let [most, rounds] = if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [SWEEPS, 1] };
+        let [most, rounds] =
+            if between.is_some() { [film_contact::SWEEPS, film_contact::ROUNDS] } else { [self.most_sweeps(), 1] };
         for _ in 0..rounds {
             for done in 1..=most {
                 let (mut change, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -288,6 +293,11 @@ impl Contact {
         }
         self.neighbours.clearances = clearances;
         self.in_body = in_body;
+    }
+
+    /// Largest number of sweeps in a step, without contact between faces.
+    fn most_sweeps(&self) -> usize {
+        if self.surface.is_round() { SWEEPS } else { SWEEPS_AT_EDGES }
     }
 
     /// Replaces the impulses of the node contacts by `impulses`, of which a node may have several.
