@@ -59,7 +59,7 @@ fn an_indentation_records_depth_and_force() {
     let energies = csv::read(&bench.path().join("runs/slow/energies.csv")).expect("energies");
     let given = -last(&energies, "external_J");
     assert!((figure(&summary, "work_J") / given - 1.0).abs() < 0.02, "{} of {given}", summary["work_J"]);
-    // Also on such coarse elements, which touch the ball with one element near the pole.
+    // Also on such coarse elements, of which one alone touches the ball near the pole.
     let friction = energies.channel("friction_J").expect("a channel");
     assert!(friction.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12), "friction takes energy");
     assert!(standard_error_and_output(&output).contains("kinetic share 0.0"));

@@ -41,8 +41,8 @@ pub(super) struct Constraint<P> {
 }
 
 impl<P> Constraint<P> {
-    /// Of `points` along `normal`, where their velocity changes by `response` (1/kg) per impulse, or by less: without an impulse,
-    /// for points that may not come nearer.
+    /// Of `points` along `normal` without an impulse, which may not come nearer. Their normal velocity changes by `response`
+    /// (1/kg) per impulse, or by less.
     #[inline]
     pub(super) fn new(points: P, normal: Vector3<f64>, response: f64) -> Constraint<P> {
         Constraint {

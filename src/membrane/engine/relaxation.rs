@@ -101,7 +101,7 @@ impl Engine {
         (0..alone.len()).filter(|node| alone[*node] && self.nodes.free_axes(*node) != [false; 3]).collect()
     }
 
-    /// [`Engine::relax`] of film whose loose nodes are held. One loop, whose parts change its residual, kinetic energy and lightness.
+    /// [`Engine::relax`] of film whose loose nodes are held. Long, as it is one loop over a few quantities.
     fn relax_elements(
         &mut self,
         wanted: &[bool],

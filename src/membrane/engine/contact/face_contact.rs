@@ -60,8 +60,7 @@ pub(super) struct FilmOnBody {
 }
 
 impl FilmOnBody {
-    /// The constraint of a point of `film` over one at `arm` (m) along `normal`: without an impulse, for points that may not come
-    /// nearer.
+    /// The constraint of a point of `film` over one at `arm` (m) along `normal`, as [`Constraint::new`].
     fn constraint(
         film: WeightedNodes,
         arm: Vector3<f64>,

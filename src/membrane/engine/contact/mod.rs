@@ -7,8 +7,9 @@
 //! does not creep.
 //!
 //! Between its nodes an element penetrates by the sagitta of its edges. Where that may exceed [`FACE_PENETRATION`] of
-//! the impactor's size, the deepest point of the element is constrained as well; an impactor with edges of its own is
-//! met at the deepest point of each of the element's triangles, or where corners and edges of a mesh meet it.
+//! the impactor's size, the deepest point of the element is constrained as well, or several where it is folded; an impactor
+//! with edges of its own is met at the deepest point of each of the element's triangles, or where corners and edges of a
+//! mesh meet it.
 
 mod contact_state;
 #[cfg(test)]

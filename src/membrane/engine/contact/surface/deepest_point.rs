@@ -133,7 +133,8 @@ impl Surface {
     }
 
     /// The points of an element where its signed distance from the body at `pose` is below `within` (m): one for each part
-    /// of the element and edge, and in round bodies each that is deeper than the film about it. Those of a convex body are
+    /// of the element and edge, and in round bodies the deepest and those within triangles, which are deeper than the film about
+    /// them. Those of a convex body are
     /// `followed` from step to step, to within a `tolerance` (m) of the deepest.
     pub(in crate::engine::contact) fn deep_points(
         &self,
@@ -203,8 +204,9 @@ fn deepest(shape: &Shape, pose: &Isometry3<f64>, corners: &[Point3<f64>; 4], sea
 }
 
 /// Offers the deepest point of the four triangles of an element in `shape` at `pose`, of which `nearest` has that of a
-/// triangle about its centre, and those of other triangles that are deeper than the film about them: a warped element has two
-/// at a fold. If it were pushed out at one alone, it would rock between them and gain energy from friction.
+/// triangle about its centre, and those within other triangles: an element folded from side to side has two. If it were pushed
+/// out at one alone, it would rock between them and gain energy from friction. One folded along a diagonal has both between
+/// triangles, of which the deeper one alone is offered.
 fn deepest_of_triangles(
     shape: &Shape,
     pose: &Isometry3<f64>,

@@ -21,7 +21,7 @@ pub(in crate::engine::contact) struct DeepestPoint {
 
 /// The points of an element that are nearer to a body than a distance.
 pub(in crate::engine::contact) struct DeepPoints {
-    /// One for each part of the element and edge of the body, or the deepest alone.
+    /// One for each part of the element and edge of the body; of a round one those within triangles, and the deepest.
     pub(in crate::engine::contact) points: Vec<DeepestPoint>,
     /// No point of the element is nearer than that, m.
     pub(in crate::engine::contact) least: f64,
