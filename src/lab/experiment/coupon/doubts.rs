@@ -137,8 +137,11 @@ pub struct Slack {
 /// Thickness that films have, m.
 pub const LIKELY_THICKNESS: [f64; 2] = [1e-6, 2e-3];
 
+/// A figure of a coupon, SI.
+type Figure = fn(&CouponTest) -> f64;
+
 /// What films have of some figures of coupons, in SI units, with the unit that is shown and the factor to it.
-const LIKELY: [(&str, fn(&CouponTest) -> f64, [f64; 2], &str, f64); 3] = [
+const LIKELY: [(&str, Figure, [f64; 2], &str, f64); 3] = [
     ("thickness", |test| test.coupon.thickness(), LIKELY_THICKNESS, "mm", 1e3),
     ("Young's modulus", |test| test.sample.modulus.slope, [1e6, 1e11], "MPa", 1e-6),
     ("strength", |test| test.sample.rupture.strength, [1e5, 1e10], "MPa", 1e-6),
