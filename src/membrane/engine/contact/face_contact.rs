@@ -20,8 +20,8 @@ const RECOVERY: f64 = 0.02;
 /// gains energy, which a slower recovery leaves to be small.
 const RECOVERY_AT_EDGES: f64 = 0.002;
 
-/// Largest number of Gauss–Seidel sweeps in a step on a round body, after which a whole film is that of its mirrored quarter to
-/// 0.4 % of the force where elements are 0.6 of the radius (to 0.7 % after 10, 0.004 % after 40, which take a third longer).
+/// Largest number of Gauss–Seidel sweeps in a step on a round body: a whole film is that of its mirrored quarter to 0.4 % of the
+/// force where elements are 0.6 of the radius (`tests/it/slow.rs`). Further ones change less than they cost.
 const SWEEPS: usize = 20;
 
 /// On a body with edges, where an element meets several at once.
