@@ -37,9 +37,10 @@ function value({ expected, unit, range, likely, default: given, required }) {
   return facts.join("; ");
 }
 
-function meaning({ sentence, choices }) {
+function meaning({ sentence, choices, refused_beside: beside }) {
   const words = choices.filter(({ sentence }) => sentence).map(({ word, sentence }) => `${code(word)}: ${prose(sentence)}`);
-  return [prose(sentence ?? ""), ...words].filter(Boolean).join("<br>");
+  const refused = beside.length ? `Refused beside: ${prose(beside.join("; "))}.` : "";
+  return [prose(sentence ?? ""), ...words, refused].filter(Boolean).join("<br>");
 }
 
 /** A page of the keys under `root`, and of those that `seen` knows a link to them. */

@@ -13,6 +13,7 @@ use base::group;
 use base::removed;
 use lab::signal::column::{self, COLUMNS, Column};
 use lab::signal::format::{FORMATS, Support};
+use scene::model::exclusions;
 use scene::scenario::grammar::{self, Key, Rule, TableRule};
 use scene::simulate::{EnergyTerm, energy_columns};
 use study::calibrate;
@@ -124,6 +125,7 @@ struct KeyEntry {
     default: Option<Json>,
     required: bool,
     choices: Vec<Choice>,
+    refused_beside: Vec<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -230,6 +232,7 @@ impl KeyEntry {
             word: word.to_owned(),
             sentence: sentence.map(str::to_owned),
         };
+        let place = name.replace("layer.material.", "specimen.material.");
         KeyEntry {
             key: name.to_owned(),
             sentence: key.sentence.clone(),
@@ -240,6 +243,7 @@ impl KeyEntry {
             default: key.default.clone().filter(|default| !default.is_object()),
             required: key.required,
             choices: key.rule.words().into_iter().map(choice).collect(),
+            refused_beside: exclusions().into_iter().filter_map(|(key, it)| (key == place).then_some(it)).collect(),
         }
     }
 
@@ -258,6 +262,7 @@ impl KeyEntry {
             Some(format!("  \"{}\": {sentence}", choice.word))
         });
         lines.extend(described);
+        lines.extend(self.refused_beside.iter().map(|beside| format!("refused beside: {beside}")));
         lines.join("\n    ")
     }
 }
@@ -470,6 +475,14 @@ mod tests {
         let hint = similar_finding("warning[corse-contact]");
         assert_eq!(hint.as_deref(), Some("did you mean the finding `coarse-contact`?"));
         assert_eq!(finding("frame[coarse-contact]"), None);
+    }
+
+    #[test]
+    fn what_excludes_a_key_is_explained() {
+        for (name, beside) in exclusions() {
+            let (found, key) = find(&name).expect("a key");
+            assert!(found == name && KeyEntry::new(&name, key).text().contains(beside), "{name}");
+        }
     }
 
     #[test]

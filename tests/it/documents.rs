@@ -62,22 +62,6 @@ fn the_readme_links_every_document() {
     }
 }
 
-/// The table of keys that exclude each other is that of the checks.
-#[test]
-fn the_document_lists_what_excludes_what() {
-    let mut rows: Vec<(String, Vec<String>)> = vec![];
-    for [keys, beside] in droptower::model::exclusions() {
-        match rows.iter_mut().find(|(known, _)| *known == keys) {
-            Some((_, others)) => others.push(beside),
-            None => rows.push((keys, vec![beside])),
-        }
-    }
-    let table: Vec<String> =
-        rows.iter().map(|(keys, beside)| format!("| {keys} | {} |\n", beside.join("; "))).collect();
-    let document = fs::read_to_string(root().join("docs/scenarios.md")).expect("a text");
-    assert!(document.contains(&table.concat()), "the table is\n{}", table.concat());
-}
-
 /// Every crate that the manifests name stands in the table of dependencies, and no other.
 #[test]
 fn every_direct_dependency_is_explained() {

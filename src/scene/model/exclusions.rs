@@ -1,4 +1,4 @@
-//! What excludes what: tables of keys and of what they are refused beside, which one loop checks and the documents print.
+//! What excludes what: tables of keys and of what they are refused beside, which one loop checks and `explain` prints.
 
 use super::loading::{Impactors, Inertia};
 use super::{Checker, Hold, Loading, Symmetry};
@@ -35,12 +35,11 @@ impl<F> Exclusion<F> {
     }
 }
 
-/// Rows of keys that are refused beside something: their paths in a scenario, and beside what.
-pub fn exclusions() -> Vec<[String; 2]> {
-    fn rows<F>(path: &str, table: &[Exclusion<F>]) -> Vec<[String; 2]> {
-        let keys =
-            |row: &Exclusion<F>| row.keys.iter().map(|key| format!("`{path}{key}`")).collect::<Vec<_>>().join(", ");
-        table.iter().map(|row| [keys(row), row.beside.to_owned()]).collect()
+/// Keys that are refused beside something: the path without places of lists, and beside what.
+pub fn exclusions() -> Vec<(String, &'static str)> {
+    fn rows<F>(path: &str, table: &[Exclusion<F>]) -> Vec<(String, &'static str)> {
+        let keys = |row: &Exclusion<F>| row.keys.iter().map(|key| format!("{path}{key}").replace(".*", ""));
+        table.iter().flat_map(|row| keys(row).map(|key| (key, row.beside))).collect()
     }
     [rows("", &scene()), rows("impactor.", &impactor()), rows("specimen.material.", &material())].concat()
 }
