@@ -398,9 +398,10 @@ impl<const L: usize> Neg for Lane3<L> {
 
 /// Vector instructions that a kernel is run with. The operations and their order are the same in all of them, and so
 /// are the bits of the results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Width {
     /// Instructions that every processor of the platform has.
+    #[default]
     #[serde(rename = "baseline")]
     Baseline,
     /// 256 bits.

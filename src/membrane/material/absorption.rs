@@ -139,18 +139,13 @@ mod tests {
     #[test]
     fn unloading_is_monotone_and_reloading_meets_the_curve() {
         for curve in curves() {
-            let absorption = Absorption::new(0.8896);
-            let largest = 0.8 * curve.end();
+            let (absorption, largest) = (Absorption::new(0.8896), 0.8 * curve.end());
             let mut peak = one(largest);
-            let path: Vec<f64> = (0..=200)
-                .map(|i| absorption.stress(&curve, one(largest * f64::from(i) / 200.0), &mut peak)[0])
-                .collect();
+            let mut stress = |strain: f64| absorption.stress(&curve, one(strain), &mut peak)[0];
+            let path: Vec<f64> = (0..=200).map(|i| stress(largest * f64::from(i) / 200.0)).collect();
             assert!(path.windows(2).all(|w| w[0] <= w[1]));
             assert_eq!(path[200], curve.stress(largest));
-            assert_eq!(
-                absorption.stress(&curve, one(0.9 * curve.end()), &mut peak)[0],
-                curve.stress(0.9 * curve.end())
-            );
+            assert_eq!(stress(0.9 * curve.end()), curve.stress(0.9 * curve.end()));
         }
     }
 }
