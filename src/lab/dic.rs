@@ -457,10 +457,8 @@ mod tests {
             assert_eq!((found.program, found.missing), (program, 1), "{name}");
             let near = |found: &[[f64; 3]], expected: [[f64; 3]; 2]| {
                 let pairs = found.iter().flatten().zip(expected.as_flattened());
-                assert!(
-                    found.len() == 2 && pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12),
-                    "{program}: {found:?}"
-                );
+                let is_same = pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12);
+                assert!(found.len() == 2 && is_same, "{program}: {found:?}");
             };
             near(&found.places, [[0.01, -0.02, 0.0015], [0.012, -0.02, 0.0015]]);
             near(&found.displacements, [[0.0005, 0.0, -0.002], [0.00025, 0.0, -0.002]]);

@@ -242,9 +242,13 @@ mod tests {
     use super::*;
 
     fn confidence(linearization: &Linearization, colour: Colour) -> Confidence {
-        let names = ["a", "b", "c"].iter().take(linearization.x.len()).map(|name| (*name).to_owned()).collect();
-        Confidence::from_linearization(linearization, &ConfidenceOptions { colour, ..ConfidenceOptions::new(names) })
-            .unwrap()
+        let mut names = abc().names;
+        names.truncate(linearization.x.len());
+        asked(linearization, ConfidenceOptions { colour, ..ConfidenceOptions::new(names) })
+    }
+
+    fn asked(linearization: &Linearization, options: ConfidenceOptions) -> Confidence {
+        Confidence::from_linearization(linearization, &options).unwrap()
     }
 
     fn linearization(x: &[f64], residuals: &[f64], jacobian: DMatrix<f64>) -> Linearization {
@@ -270,8 +274,8 @@ mod tests {
         for _ in 0..8 {
             let here = at(x);
             let jacobian = &here.jacobian;
-            let step =
-                (jacobian.transpose() * jacobian).try_inverse().unwrap() * jacobian.transpose() * &here.residuals;
+            let inverse = (jacobian.transpose() * jacobian).try_inverse().unwrap();
+            let step = inverse * jacobian.transpose() * &here.residuals;
             x = [x[0] - step[0], x[1] - step[1]];
         }
         at(x)
@@ -291,7 +295,6 @@ mod tests {
         held
     }
 
-    /// Longley's kind of check: s² (JᵀJ)⁻¹ with s² = ‖r‖²/(N − p), written out.
     #[test]
     fn relative_intervals_are_symmetric_in_the_logarithm() {
         for x in [0.5, -0.5] {
@@ -301,6 +304,7 @@ mod tests {
         assert_eq!(interval(0.0, 1.0, true), [-1.0, 1.0]);
     }
 
+    /// Longley's kind of check: s² (JᵀJ)⁻¹ with s² = ‖r‖²/(N − p), written out.
     #[test]
     fn a_line_through_white_noise_has_the_covariance_of_the_textbook() {
         let (count, noise) = (40, normals(5, 40));
@@ -352,8 +356,8 @@ mod tests {
     fn two_means(seed: u64, count: usize) -> Linearization {
         let noise = [normals(seed, count), neighbours(seed + 5000, count, 0.9)];
         let means = noise.each_ref().map(|noise| noise.iter().sum::<f64>() / count as f64);
-        let left: Vec<f64> =
-            noise.iter().zip(means).flat_map(|(noise, mean)| noise.iter().map(move |e| mean - e)).collect();
+        let of = |(noise, mean): (&Vec<f64>, f64)| noise.iter().map(|e| mean - e).collect::<Vec<_>>();
+        let left = noise.iter().zip(means).map(of).collect::<Vec<_>>().concat();
         let jacobian = DMatrix::from_fn(2 * count, 2, |row, column| f64::from(u8::from(row / count == column)));
         linearization(&means, &left, jacobian)
     }
@@ -429,8 +433,8 @@ mod tests {
         let jacobian = DMatrix::from_fn(6, 2, |row, column| f64::from(u8::from((row == 5) == (column == 1))));
         let residuals = [1.0, -1.0, 2.0, -1.0, -1.0, 0.0];
         let found = linearization(&[1.0, 2.0], &residuals, jacobian).joined_from(&[5, 1]).unwrap();
-        let question =
-            ConfidenceOptions { colour: Colour::White, ..ConfidenceOptions::new(vec!["a".into(), "b".into()]) };
+        let names = vec!["a".into(), "b".into()];
+        let question = ConfidenceOptions { colour: Colour::White, ..ConfidenceOptions::new(names) };
         let error = Confidence::from_linearization(&found, &question).unwrap_err().to_string();
         assert!(error.starts_with("part 2 of the residuals has 1, of which the fit absorbs 1:"), "{error}");
     }
@@ -443,9 +447,8 @@ mod tests {
         let mut first = 0;
         for (length, theta) in parts {
             let rho = |row: usize, column: usize| (-(row.abs_diff(column) as f64) / theta).exp();
-            correlation
-                .view_mut((first, first), (*length, *length))
-                .copy_from(&DMatrix::from_fn(*length, *length, rho));
+            let mut own = correlation.view_mut((first, first), (*length, *length));
+            own.copy_from(&DMatrix::from_fn(*length, *length, rho));
             first += length;
         }
         let lengths: Vec<usize> = parts.iter().map(|(length, _)| *length).collect();
@@ -469,15 +472,14 @@ mod tests {
         let inverse = (jacobian.transpose() * jacobian).try_inverse().unwrap();
         let expected = &inverse * jacobian.transpose() * noise * jacobian * &inverse;
         let misfit = [(error[0], 20.0), (error[1], 3.0)].map(|(error, correlation)| Misfit { error, correlation });
-        let options = ConfidenceOptions { misfit: Some(misfit.into()), ..abc() };
-        let confidence = Confidence::from_linearization(&found, &options).unwrap();
+        let confidence = asked(&found, ConfidenceOptions { misfit: Some(misfit.into()), ..abc() });
         assert!((&confidence.covariance - &expected).amax() < 1e-12 * expected.amax(), "{confidence:?}");
         // The normal distribution's, since the noise is known.
         assert!((confidence.quantile - 1.959_964).abs() < 1e-6 && confidence.freedom == f64::INFINITY);
         let half_width = confidence.quantile * expected[(2, 2)].sqrt();
         assert!((confidence.intervals[2][1] - 0.5 - half_width).abs() < 1e-12);
-        let white = ConfidenceOptions { misfit: Some(vec![Misfit { error: 0.3, correlation: 0.0 }]), ..abc() };
-        let white = Confidence::from_linearization(&found, &white).unwrap();
+        let white = Some(vec![Misfit { error: 0.3, correlation: 0.0 }]);
+        let white = asked(&found, ConfidenceOptions { misfit: white, ..abc() });
         assert!(confidence.standard_errors[0] > 4.0 * white.standard_errors[0]);
         let three = ConfidenceOptions { misfit: Some(vec![misfit[0]; 3]), ..abc() };
         let refused = Confidence::from_linearization(&found, &three).unwrap_err().to_string();
@@ -497,9 +499,8 @@ mod tests {
             let along = columns.transpose() * &g;
             let schur = columns.transpose() * &columns - &along * along.transpose() / information;
             let expected = schur.try_inverse().unwrap() * variance;
-            let options =
-                ConfidenceOptions { misfit: misfit.clone(), prior: vec![None, None, Some(deviation)], ..abc() };
-            let confidence = Confidence::from_linearization(&found, &options).unwrap();
+            let (misfit, prior) = (misfit.clone(), vec![None, None, Some(deviation)]);
+            let confidence = asked(&found, ConfidenceOptions { misfit, prior, ..abc() });
             let marginal = confidence.covariance.view((0, 0), (2, 2)).into_owned();
             assert!((&marginal - &expected).amax() < 1e-9 * expected.amax(), "{deviation}: {marginal} {expected}");
             assert!(confidence.standard_errors[2] <= deviation * (1.0 + 1e-9), "{deviation}");
@@ -525,8 +526,8 @@ mod tests {
         let inverse = (rows.transpose() * &rows).try_inverse().unwrap();
         let expected = &inverse * rows.transpose() * all * rows * &inverse;
         let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
-        let options = ConfidenceOptions { misfit, prior: vec![None, None, Some(deviation)], ..abc() };
-        let confidence = Confidence::from_linearization(&found, &options).unwrap();
+        let prior = vec![None, None, Some(deviation)];
+        let confidence = asked(&found, ConfidenceOptions { misfit, prior, ..abc() });
         assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?} {expected}");
     }
 
@@ -540,8 +541,8 @@ mod tests {
         let inverse = (columns.transpose() * &columns).try_inverse().unwrap();
         let expected = &inverse * columns.transpose() * noise * &columns * &inverse;
         let misfit = Some(vec![Misfit { error: 0.2, correlation: 20.0 }]);
-        let options = ConfidenceOptions { misfit, held: vec![None, None, Some(deviation)], ..abc() };
-        let confidence = Confidence::from_linearization(&found, &options).unwrap();
+        let held = vec![None, None, Some(deviation)];
+        let confidence = asked(&found, ConfidenceOptions { misfit, held: held.clone(), ..abc() });
         assert_eq!((confidence.names.len(), confidence.x.len()), (2, 2));
         assert!((&confidence.covariance - &expected).amax() < 1e-9 * expected.amax(), "{confidence:?}");
         let shift = -deviation * &inverse * columns.transpose() * &g;
@@ -549,8 +550,7 @@ mod tests {
         assert!(name == "c" && (found_shift[1] / shift[1] - 1.0).abs() < 1e-9, "{found_shift:?} {shift}");
         // Of an exact fit, only what is not known of c.
         let exact = Linearization { residuals: DVector::zeros(200), ..found };
-        let options = ConfidenceOptions { held: vec![None, None, Some(deviation)], ..abc() };
-        let exact = Confidence::from_linearization(&exact, &options).unwrap();
+        let exact = asked(&exact, ConfidenceOptions { held, ..abc() });
         assert!((exact.standard_errors[1] / shift[1].abs() - 1.0).abs() < 1e-9, "{exact:?}");
     }
 
@@ -558,10 +558,7 @@ mod tests {
     #[test]
     fn a_prior_beside_noise_of_the_residuals_widens_intervals() {
         let (found, _) = parabola(&[(200, 1.0)]);
-        let at = |prior: Vec<Option<f64>>| {
-            Confidence::from_linearization(&found, &ConfidenceOptions { colour: Colour::White, prior, ..abc() })
-                .unwrap()
-        };
+        let at = |prior| asked(&found, ConfidenceOptions { colour: Colour::White, prior, ..abc() });
         let held = linearization(&[1.0, -2.0], found.residuals.as_slice(), found.jacobian.columns(0, 2).into_owned());
         let held = confidence(&held, Colour::White);
         let [narrow, wide, free] = [vec![None, None, Some(1e-9)], vec![None, None, Some(1.0)], vec![]].map(at);

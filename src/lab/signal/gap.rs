@@ -105,10 +105,8 @@ mod tests {
         let sample = Gap::Sample { time: 0.030_100_000_000_000_002 };
         assert_eq!(sample.to_string(), "nothing was measured at 0.0301 s");
         let hole = Gap::Hole { from: 0.1 + 0.2, to: 0.4, step: 1e-6 };
-        assert_eq!(
-            hole.to_string(),
-            "there are no samples between 0.3 s and 0.4 s, where 0.000001 s is the usual step"
-        );
+        let words = "there are no samples between 0.3 s and 0.4 s, where 0.000001 s is the usual step";
+        assert_eq!(hole.to_string(), words);
     }
 
     #[test]

@@ -378,13 +378,7 @@ mod tests {
     fn times_written_out_and_times_by_step_are_one_axis() {
         let channel = |name: &str, time: Vec<f64>| {
             let values = vec![1.0; time.len()];
-            MeasuredChannel {
-                name: name.into(),
-                label: name.into(),
-                unit: None,
-                filtered: None,
-                series: Series::new(time, values),
-            }
+            MeasuredChannel { series: Series::new(time, values), ..channel(name, name, None) }
         };
         let by_step: Vec<f64> = (0..20).map(|i| -5e-4 + f64::from(i) * 1e-4).collect();
         let written: Vec<f64> = by_step.iter().map(|t| format!("{t:.6}").parse().unwrap()).collect();

@@ -282,12 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_directions() {
-        assert_eq!("md".parse(), Ok(Direction::Md));
-        assert_eq!(
-            "45".parse::<Direction>().unwrap_err().to_string(),
-            "`45` is not a direction of the film: expected MD, TD, D3, D4 or an angle such as 15deg"
-        );
+    fn directions_have_an_order() {
         let angles = ["30deg", "D4", "15deg", "md"].map(|word| sample(word.parse().unwrap(), 0.02, 40e6, 1.0));
         let reduction = Reduction::from_samples(&angles, &Rules::default()).unwrap();
         let names: Vec<String> = reduction.directions.iter().map(|along| along.direction.to_string()).collect();

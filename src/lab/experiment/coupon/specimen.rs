@@ -258,10 +258,8 @@ mod tests {
 
     #[test]
     fn invalid_coupons_and_recordings_are_refused() {
-        assert_eq!(
-            Coupon::new(5e-3, 10e-3, -12e-6).unwrap_err().to_string(),
-            "the thickness of a coupon is a positive length, not -0.000012 m"
-        );
+        let negative = Coupon::new(5e-3, 10e-3, -12e-6).unwrap_err().to_string();
+        assert_eq!(negative, "the thickness of a coupon is a positive length, not -0.000012 m");
         let line = |values: [f64; 3]| Series::new([0.0, 1.0, 2.0], values);
         let good = line([0.0, 1.0, 2.0]);
         for (force, displacement, expected) in [

@@ -336,17 +336,19 @@ mod tests {
         Curve::new(strain, stress).unwrap()
     }
 
-    fn assert_near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
-        let off = (0..2).map(|i| (found[i] / expected[i] - 1.0).abs()).fold(0.0, f64::max);
-        assert!(off < tolerance, "{found:?} is off {expected:?} by {off}");
+    /// The yield points of a curve, near the first two of `points`.
+    fn assert_near(curve: &Curve, points: &[[f64; 2]], tolerance: f64) -> YieldPoints {
+        let found = yield_points(curve, ELASTIC).unwrap();
+        let pairs = [found.first, found.second].concat().into_iter().zip(points.concat());
+        let off = pairs.map(|(found, expected)| (found / expected - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < tolerance, "{found:?} is off {points:?} by {off}");
+        found
     }
 
     #[test]
     fn the_corners_of_a_polyline_are_found() {
         for points in [MD, TD] {
-            let found = yield_points(&sampled(&points, 700, |_| 0.0), ELASTIC).unwrap();
-            assert_near(found.first, points[0], 1e-6);
-            assert_near(found.second, points[1], 1e-6);
+            let found = assert_near(&sampled(&points, 700, |_| 0.0), &points, 1e-6);
             assert!(found.residual < 1.0, "{found:?}");
         }
     }
@@ -359,9 +361,7 @@ mod tests {
     #[test]
     fn noise_moves_them_little() {
         for points in [MD, TD] {
-            let found = yield_points(&sampled(&points, 700, noise), ELASTIC).unwrap();
-            assert_near(found.first, points[0], 0.05);
-            assert_near(found.second, points[1], 0.05);
+            assert_near(&sampled(&points, 700, noise), &points, 0.05);
         }
     }
 
@@ -369,9 +369,7 @@ mod tests {
     fn a_steep_elastic_part_does_not_move_the_first_yield_point() {
         for modulus in [30e6, 53e6, 75e6] {
             let points = [&[[0.04, 0.04 * modulus]], TD.as_slice()].concat();
-            let found = yield_points(&sampled(&points, 1402, |_| 0.0), ELASTIC).unwrap();
-            assert_near(found.first, TD[0], 1e-3);
-            assert_near(found.second, TD[1], 1e-3);
+            assert_near(&sampled(&points, 1402, |_| 0.0), &TD, 1e-3);
         }
     }
 
@@ -380,9 +378,7 @@ mod tests {
         let even = sampled(&TD, 500, |_| 0.0);
         let strain: Vec<f64> = (0..=500).map(|i| 7.01 * (f64::from(i) / 500.0).powi(2)).collect();
         let stress = strain.iter().map(|e| even.stress_at(*e).unwrap()).collect();
-        let found = yield_points(&Curve::new(strain, stress).unwrap(), ELASTIC).unwrap();
-        assert_near(found.first, TD[0], 0.02);
-        assert_near(found.second, TD[1], 0.02);
+        assert_near(&Curve::new(strain, stress).unwrap(), &TD, 0.02);
     }
 
     /// Strain of the only bend that a curve is refused for.

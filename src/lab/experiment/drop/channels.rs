@@ -366,10 +366,8 @@ mod tests {
         assert_eq!(of(&["massive: 3 kg", "a height of 2 m"], none), Ok(none));
         let wrong = ["mass: heavy", "height: 3 kg"];
         assert!(of(&wrong[..1], none).expect_err("no mass").starts_with("its header: expected a mass"));
-        assert_eq!(
-            of(&wrong[1..], none).expect_err("no height"),
-            "its header: expected a length, found \"3 kg\"; write `height: 1 m`"
-        );
+        let refused = of(&wrong[1..], none).expect_err("no height");
+        assert_eq!(refused, "its header: expected a length, found \"3 kg\"; write `height: 1 m`");
         assert_eq!(of(&wrong, both), Ok(none), "what is given takes the place of both");
     }
 
@@ -386,10 +384,8 @@ mod tests {
         let empty = whole.with_values(whole.samples().map(|[t, v]| if t == 2.0 { f64::NAN } else { v }).collect());
         let spike = whole.with_values(whole.samples().map(|[t, v]| if t == 3.0 { 99.0 } else { v }).collect());
         assert_eq!(bridged(&empty, 2.0, &[]).series, whole);
-        assert_eq!(
-            bridged(&empty, 2.0, &[]).warning,
-            Some(Warning::GapBridged { count: 1, after: 1.0, duration: 2.0 })
-        );
+        let warning = Some(Warning::GapBridged { count: 1, after: 1.0, duration: 2.0 });
+        assert_eq!(bridged(&empty, 2.0, &[]).warning, warning);
         assert_eq!(bridged(&rows, 4.0, &[]).series, line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]));
         assert_eq!(bridged(&missing, 4.0, &[]).series, whole);
         assert_eq!(bridged(&spike, 0.0, &[[2.5, 3.5]]).series, whole);

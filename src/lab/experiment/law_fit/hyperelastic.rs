@@ -586,18 +586,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn one_ogden_law_follows_treloars_three_tests() {
-        let fit = fitted("ogden:3", &treloar(), &[], Weighting::Absolute);
-        for test in &fit.tests {
-            println!("{}: {:?}", test.set.name, test.quality);
-            assert!(test.quality.r_squared >= 0.995, "{}: {:?}", test.set.name, test.quality);
-        }
-        assert_eq!(fit.unstable_from, None);
-        let confidence = fit.confidence.expect("intervals");
-        assert!(confidence.standard_errors.iter().all(|error| error.is_finite()), "{confidence:?}");
-    }
-
     /// Fitted to the uniaxial test, the law fails in equibiaxial tension, as the warning says.
     #[test]
     fn a_fit_to_uniaxial_tests_alone_is_unsafe_for_biaxial_film() {
@@ -620,6 +608,7 @@ mod tests {
         let fit = fitted("ogden:3", &sets, &biaxial, Weighting::Absolute);
         let quality = &fit.predictions[0].quality;
         println!("{quality:?}");
+        assert!(fit.confidence.expect("intervals").standard_errors.iter().all(|error| error.is_finite()));
         assert!(quality.samples == 234 && quality.relative_rms < 0.03 && quality.r_squared > 0.997, "{quality:?}");
     }
 
@@ -639,8 +628,8 @@ mod tests {
         let weigh = |weights: [f64; 3]| -> Vec<DataSet> {
             treloar().into_iter().zip(weights).map(|(set, weight)| set.with_weight(weight).expect("a weight")).collect()
         };
-        let fits =
-            [[1.0, 1.0, 1.0], [0.0, 1.0, 0.0]].map(|w| fitted("neo-hookean", &weigh(w), &[], Weighting::Absolute));
+        let of = |weights| fitted("neo-hookean", &weigh(weights), &[], Weighting::Absolute);
+        let fits = [[1.0, 1.0, 1.0], [0.0, 1.0, 0.0]].map(of);
         let alone = fitted("neo-hookean", &treloar()[1..2], &[], Weighting::Absolute);
         assert!(fits[0].coefficients[0].value != alone.coefficients[0].value);
         assert!((fits[1].coefficients[0].value / alone.coefficients[0].value - 1.0).abs() < 1e-12);

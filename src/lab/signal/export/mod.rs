@@ -243,10 +243,8 @@ mod tests {
                 assert!(close(test.coupon.gauge(), 1e-3 * expected.gauge), "{what}");
                 assert!(close(test.sample.velocity, 1e-3 / 60.0 * expected.speed), "{what}");
                 assert!(close(test.sample.rupture.strength, 1e6 * expected.strength), "{what}");
-                assert!(
-                    test.specimen.is_some() && test.place().ends_with(format!("{name}, {}", expected.name)),
-                    "{what}"
-                );
+                let place = format!("{name}, {}", expected.name);
+                assert!(test.specimen.is_some() && test.place().ends_with(place), "{what}");
             }
         }
     }
