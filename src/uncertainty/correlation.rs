@@ -148,11 +148,8 @@ mod tests {
             let pairs = (0..samples - 1).filter(|&i| (x[i] - x[i + 1]) * (y[i] - y[i + 1]) > 0.0).count();
             let concordance = 2.0 * pairs as f64 / (samples - 1) as f64 - 1.0;
             assert!((concordance - kendall(rho)).abs() < 0.03, "{rho}: {concordance}");
-            println!(
-                "ρ {rho:5.2}: Spearman {found:.4} ({:.4}), Kendall {concordance:.3} ({:.3})",
-                spearman(rho),
-                kendall(rho)
-            );
+            let [ranks, signs] = [spearman(rho), kendall(rho)];
+            println!("ρ {rho:5.2}: Spearman {found:.4} ({ranks:.4}), Kendall {concordance:.3} ({signs:.3})");
         }
         for input in 0..3 {
             let mut values = column(input);
@@ -192,23 +189,22 @@ mod tests {
 
     #[test]
     fn what_is_no_correlation_is_refused_by_name() {
-        let refused = |matrix: &[Vec<f64>]| Correlation::new(matrix).unwrap_err();
-        assert_eq!(
-            refused(&[vec![1.0, 0.2], vec![0.3, 1.0]]),
-            Error::new("the correlation of inputs 0 and 1 is 0.2 in one place and 0.3 in the other")
-        );
-        assert_eq!(refused(&[vec![2.0]]), Error::new("the correlation of input 0 with itself is 2, but must be 1"));
-        assert_eq!(
-            refused(&[vec![1.0, 1.0], vec![1.0, 1.0]]),
-            Error::new("the correlation of inputs 0 and 1 is 1, but must be between -1 and 1")
-        );
-        assert_eq!(refused(&[vec![1.0, 0.0]]), Error::new("row 0 has 2 entries, but the matrix has 1 rows"));
-        let contradictory = of_pairs(4, &[(0, 1, 0.9), (0, 2, 0.9), (1, 2, -0.9)]).unwrap_err();
-        assert_eq!(
-            contradictory,
-            Error::new(
-                "the correlations of input 2 contradict those among the inputs before it: not positive definite"
-            )
-        );
+        let contradictory =
+            "the correlations of input 2 contradict those among the inputs before it: not positive definite";
+        for (refused, expected) in [
+            (
+                Correlation::new(&[vec![1.0, 0.2], vec![0.3, 1.0]]),
+                "the correlation of inputs 0 and 1 is 0.2 in one place and 0.3 in the other",
+            ),
+            (Correlation::new(&[vec![2.0]]), "the correlation of input 0 with itself is 2, but must be 1"),
+            (
+                Correlation::new(&[vec![1.0; 2], vec![1.0; 2]]),
+                "the correlation of inputs 0 and 1 is 1, but must be between -1 and 1",
+            ),
+            (Correlation::new(&[vec![1.0, 0.0]]), "row 0 has 2 entries, but the matrix has 1 rows"),
+            (of_pairs(4, &[(0, 1, 0.9), (0, 2, 0.9), (1, 2, -0.9)]), contradictory),
+        ] {
+            assert_eq!(refused.unwrap_err(), Error::new(expected));
+        }
     }
 }

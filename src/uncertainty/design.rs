@@ -357,21 +357,21 @@ mod tests {
 
     #[test]
     fn impossible_designs_are_refused() {
-        let refused = |method, factors: &[Levels], samples| points(method, factors, samples, 0).unwrap_err();
-        assert_eq!(refused(Method::Sobol, &[], 4), Error::new("a design needs at least one factor"));
-        assert_eq!(refused(Method::Random, &FREE, 0), Error::new("a design needs at least one sample"));
-        assert_eq!(
-            refused(Method::Grid, &[Levels::Count(2), Levels::Continuous], 4),
-            Error::new("factor 1 is continuous; a grid needs a number of levels of every factor")
-        );
-        assert_eq!(refused(Method::Random, &[Levels::Count(0)], 4), Error::new("factor 0 has no level"));
-        assert_eq!(
-            refused(Method::Grid, &[Levels::Count(1000); 9], 4),
-            Error::new(format!("the design has more than {MOST_POINTS} points"))
-        );
-        assert_eq!(
-            refused(Method::Sobol, &[Levels::Continuous; 257], 4),
-            Error::new(format!("257 factors are more than the {MOST_FACTORS} of the Sobol' sequence"))
-        );
+        use Levels::{Continuous, Count};
+        for (method, factors, samples, expected) in [
+            (Method::Sobol, &[][..], 4, "a design needs at least one factor"),
+            (Method::Random, &FREE, 0, "a design needs at least one sample"),
+            (Method::Random, &[Count(0)], 4, "factor 0 has no level"),
+            (Method::Grid, &[Count(1000); 9], 4, &format!("the design has more than {MOST_POINTS} points")),
+            (Method::Sobol, &[Continuous; 257], 4, "257 factors are more than the 256 of the Sobol' sequence"),
+            (
+                Method::Grid,
+                &[Count(2), Continuous],
+                4,
+                "factor 1 is continuous; a grid needs a number of levels of every factor",
+            ),
+        ] {
+            assert_eq!(points(method, factors, samples, 0), Err(Error::new(expected)));
+        }
     }
 }

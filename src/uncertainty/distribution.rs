@@ -552,23 +552,21 @@ mod tests {
     #[test]
     fn parameters_out_of_range_are_refused() {
         let refused = |made: Result<Distribution, Error>| made.unwrap_err().to_string();
-        assert_eq!(
-            refused(Distribution::uniform(2.0, 1.0)),
-            "the lower end 2 must be below the upper end 1, at a finite distance"
-        );
-        assert_eq!(
-            refused(Distribution::normal(0.0, 0.0)),
-            "the standard deviation is 0, but must be positive and finite"
-        );
-        assert_eq!(refused(Distribution::log_normal(-1.0, 1.0)), "the mean is -1, but must be positive and finite");
-        assert_eq!(refused(Distribution::weibull(1.0, 1e-3)), "the mean is inf, but must be finite");
         let standard = Distribution::normal(0.0, 1.0).unwrap();
         assert!(refused(standard.truncated(Some(40.0), None)).contains("nothing is left"));
-        assert_eq!(
-            refused(standard.truncated(Some(1.0), Some(1.0))),
-            "the lower end 1 must be below the upper end 1, at a finite distance"
-        );
-        assert_eq!(refused(standard.truncated(Some(f64::NAN), None)), "the lower end is NaN, but must be finite");
+        for (made, expected) in [
+            (Distribution::uniform(2.0, 1.0), "the lower end 2 must be below the upper end 1, at a finite distance"),
+            (Distribution::normal(0.0, 0.0), "the standard deviation is 0, but must be positive and finite"),
+            (Distribution::log_normal(-1.0, 1.0), "the mean is -1, but must be positive and finite"),
+            (Distribution::weibull(1.0, 1e-3), "the mean is inf, but must be finite"),
+            (
+                standard.truncated(Some(1.0), Some(1.0)),
+                "the lower end 1 must be below the upper end 1, at a finite distance",
+            ),
+            (standard.truncated(Some(f64::NAN), None), "the lower end is NaN, but must be finite"),
+        ] {
+            assert_eq!(refused(made), expected);
+        }
     }
 
     proptest! {

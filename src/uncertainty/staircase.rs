@@ -456,10 +456,8 @@ mod tests {
         assert_eq!(staircase.levels(&[S, S, F, S, F]), [60.0, 75.0, 90.0, 75.0, 90.0]);
         assert_eq!(staircase.next_level(&[S, S, F, S, F]), 75.0);
         let counts = staircase.counts(&[S, S, F, S, F]);
-        assert_eq!(
-            counts.iter().map(|c| (c.level, c.trials, c.failures)).collect::<Vec<_>>(),
-            [(60.0, 1, 0), (75.0, 2, 0), (90.0, 2, 2)]
-        );
+        let counts: Vec<_> = counts.iter().map(|c| (c.level, c.trials, c.failures)).collect();
+        assert_eq!(counts, [(60.0, 1, 0), (75.0, 2, 0), (90.0, 2, 2)]);
     }
 
     /// By hand: from 90 g the levels are 90, 105, 90, 105, 90, 75, 90, 105, 120, 105, 90, 75, 90, 105, 90, 105, 120, 105,
@@ -492,10 +490,8 @@ mod tests {
         let alternating = [S, F, S, F, S, F];
         let reduction = staircase.reduce(&alternating, 0.95).unwrap();
         assert_eq!((reduction.mean, reduction.deviation, reduction.interval), (0.5, None, None));
-        assert_eq!(
-            staircase.reduce(&[F, F], 0.95),
-            Err(Error::new("of 2 specimens all had the same outcome: the level at which half fail was not passed"))
-        );
+        let message = "of 2 specimens all had the same outcome: the level at which half fail was not passed";
+        assert_eq!(staircase.reduce(&[F, F], 0.95), Err(Error::new(message)));
     }
 
     /// Tests over seeds, each of some twenty specimens and of some two hundred.

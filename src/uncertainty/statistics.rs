@@ -185,10 +185,8 @@ mod tests {
         assert_eq!(quantiles(&[2.0], &[0.3]), Some(vec![2.0]));
         // The k-th of four samples is that of k/5, and no sample lies beyond the outer ones.
         let found = predictive_quantiles(&[4.0, 1.0, 3.0, 2.0], &[0.0, 0.2, 0.5, 0.7, 0.8, 1.0]).unwrap();
-        assert!(
-            found.iter().zip([1.0, 1.0, 2.5, 3.5, 4.0, 4.0]).all(|(own, expected)| (own - expected).abs() < 1e-12),
-            "{found:?}"
-        );
+        let mut pairs = found.iter().zip([1.0, 1.0, 2.5, 3.5, 4.0, 4.0]);
+        assert!(pairs.all(|(own, expected)| (own - expected).abs() < 1e-12), "{found:?}");
         assert_eq!(predictive_quantiles(&[], &[0.5]), None);
     }
 
