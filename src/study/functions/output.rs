@@ -424,16 +424,12 @@ mod tests {
     );
         let [a, b, c, d] = &found[..] else { panic!("{found:?}") };
         assert_eq!(a.curves[0].points, [[0.0, 0.0], [50.0, 150.0], [100.0, 20.0]]);
-        assert_eq!(
-            (a.x.label.as_str(), a.y.label.as_str(), a.curves[1].look),
-            ("time (ms)", "acceleration (m/s²)", Look::Dashed)
-        );
+        assert_eq!([a.x.label.as_str(), a.y.label.as_str()], ["time (ms)", "acceleration (m/s²)"]);
+        assert_eq!(a.curves[1].look, Look::Dashed);
         assert_eq!(a.window, Some(Window { label: "window".into(), range: [0.0, 50.0] }));
         assert_eq!((b.curves[0].points[1][0], b.y.scale, b.y.label.as_str()), (0.05, Scale::Logarithmic, "b"));
-        assert_eq!(
-            (c.curves[0].points[1], c.y.label.as_str(), c.curves[0].name.as_str()),
-            ([50.0, 5.0], "stress (MPa)", "c")
-        );
+        assert_eq!([c.y.label.as_str(), c.curves[0].name.as_str()], ["stress (MPa)", "c"]);
+        assert_eq!(c.curves[0].points[1], [50.0, 5.0]);
         assert_eq!(d.curves[0].points[1], [1500.0, 2.0]);
         assert!(d.curves[0].points[2][1].is_nan());
     }

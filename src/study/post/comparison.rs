@@ -367,10 +367,8 @@ mod tests {
         assert_eq!(comparison.figures.len(), 5, "{:?}", comparison.figures);
         let keys: Vec<_> = comparison.keys.iter().map(|key| (key.path.as_str(), key.values.clone())).collect();
         let value = |text: &str| Some(text.to_owned());
-        assert_eq!(
-            keys,
-            [("layers.count", vec![value("8"), value("9"), None]), ("more", vec![None, value("1"), None])]
-        );
+        let (counts, more) = (vec![value("8"), value("9"), None], vec![None, value("1"), None]);
+        assert_eq!(keys, [("layers.count", counts), ("more", more)]);
         let [signals] = &comparison.signals[..] else { panic!("{:?}", comparison.signals) };
         assert_eq!(signals.errors, [None, Some(1.0), Some(1.0)]);
         assert_eq!(messages(&comparison), ["only a has `depth_m`"]);

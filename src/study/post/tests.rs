@@ -10,7 +10,7 @@ use crate::script::Fault;
 use lab::signal::{Channel, Recording};
 use scene::model::{Model, Output};
 use scene::scenario::Document;
-use scene::simulate::{Outcome, RateHistogram};
+use scene::simulate::Outcome;
 
 const MASS: f64 = 10.72;
 const PEAK: f64 = 150.0;
@@ -71,29 +71,14 @@ fn outcome() -> Outcome {
     Outcome {
         signals: Recording { time, channels },
         energies,
-        snapshots: Vec::new(),
-        motion: None,
-        films: Vec::new(),
-        impactors: vec![],
-        rates: RateHistogram::default(),
-        warnings: vec![],
-        rupture_time: None,
         energy_balance_error: 0.0004,
-        kinetic_share: None,
-        damping_share: None,
-        settling: None,
-        relaxation: None,
-        mass_scaling: None,
-        added_mass: vec![],
         penetration: Some(f64::NAN),
-        torn: None,
-        warming: None,
         elements: 400,
         threads: 2,
-        instructions: membrane::lane::Width::Baseline,
         steps: 1000,
         time_step: 1.2e-4,
         wall: Duration::from_millis(40),
+        ..Outcome::default()
     }
 }
 

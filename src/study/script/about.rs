@@ -282,10 +282,8 @@ mod tests {
         let about = About::read(Path::new("s.rhai"), SCRIPT).unwrap();
         assert_eq!(about.text, "Peak over layers.\nIn two lines.");
         let kinds: Vec<Kind> = about.arguments.iter().map(|one| one.kind).collect();
-        assert_eq!(
-            kinds,
-            [Kind::Number, Kind::Numbers(Some(2)), Kind::Text, Kind::Numbers(None), Kind::Flag, Kind::Any, Kind::Any]
-        );
+        use Kind::{Any, Flag, Number, Numbers, Text};
+        assert_eq!(kinds, [Number, Numbers(Some(2)), Text, Numbers(None), Flag, Any, Any]);
         assert_eq!(about.arguments[0].text, "up to how many layers");
         let all = about.complete(&given(&[("most", "3"), ("name", "12"), ("element", "4")]));
         assert_eq!((all["most"].as_int(), all["fine"].as_bool()), (Ok(3), Ok(true)));

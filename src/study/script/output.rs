@@ -522,7 +522,7 @@ impl Compared {
 }
 
 /// The convergence history of one search.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConvergenceHistory {
     /// The title that the script gave, or `search 1`.
     pub title: String,
@@ -597,15 +597,7 @@ mod tests {
         let collected = Arc::clone(&messages);
         let collector = OutputCollector::new(vec![]);
         let collector = collector.with_listener(move |message| collected.lock().unwrap().push(message.to_string()));
-        let search = ConvergenceHistory {
-            title: "a".into(),
-            unknowns: vec![],
-            objectives: vec![],
-            history: vec![],
-            fits: vec![],
-            is_virtual: false,
-            continues: false,
-        };
+        let search = ConvergenceHistory { title: "a".into(), ..ConvergenceHistory::default() };
         let phase = |iteration: usize, continues| ConvergenceHistory {
             continues,
             history: vec![Iterate { iteration, f: 1.0, x: vec![] }],
@@ -616,11 +608,8 @@ mod tests {
         [phase(3, false), phase(2, true), phase(1, false)].into_iter().for_each(|phase| phases.add_search(phase));
         let found = phases.output().searches;
         let iterations = |search: &ConvergenceHistory| search.history.iter().map(|at| at.iteration).collect::<Vec<_>>();
-        assert_eq!(
-            found.iter().map(iterations).collect::<Vec<_>>(),
-            [vec![3, 5], vec![1]],
-            "two phases are one search"
-        );
+        let iterations: Vec<_> = found.iter().map(iterations).collect();
+        assert_eq!(iterations, [vec![3, 5], vec![1]], "two phases are one search");
         assert_eq!(found[0].objectives, [[(5, 1.0)]]);
 
         (0..MOST_SEARCHES + 2).for_each(|_| collector.add_search(search.clone()));

@@ -170,7 +170,7 @@ fn inputs(sweep: &Sweep, places: &[usize]) -> Vec<Column> {
 }
 
 /// The results of a sweep.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SweepResults {
     /// Inputs and outputs.
     pub table: Table,
@@ -463,19 +463,7 @@ mod tests {
             column(figure, Values::Numbers(values.to_vec())),
             column("failure", Values::Texts(failure)),
         ];
-        let table = Table { columns, inputs: 0, figures: 1 };
-        SweepResults {
-            table,
-            reused: 0,
-            failed: 1,
-            missing: 0,
-            engine_s: 0.0,
-            statistics: vec![],
-            rupture: None,
-            verdicts: vec![],
-            effects: vec![],
-            findings: vec![],
-        }
+        SweepResults { table: Table { columns, inputs: 0, figures: 1 }, failed: 1, ..SweepResults::default() }
     }
 
     #[test]
