@@ -248,11 +248,8 @@ mod tests {
     fn texts_mean_themselves_in_markdown() {
         let summary = serde_json::json!({ "note": "![x](https://a.b)\n**b** <img> | &lt;" });
         let expected = "| note | \\!\\[x\\](https://a.b) \\*\\*b\\*\\* \\<img\\> \\| \\&lt; |  |\n";
-        assert!(
-            markdown(summary.as_object().unwrap()).ends_with(expected),
-            "{}",
-            markdown(summary.as_object().unwrap())
-        );
+        let found = markdown(summary.as_object().unwrap());
+        assert!(found.ends_with(expected), "{found}");
     }
 
     #[test]
@@ -272,10 +269,8 @@ mod tests {
         assert!(film(&Map::new(), true, Verdict::Held).contains("until the run failed"));
         assert!(film(&Map::new(), false, Verdict::TooCoarse).contains("too coarse"));
         let ruptured = json!({ "rupture_time_s": 0.04 });
-        assert!(
-            film(ruptured.as_object().unwrap(), true, Verdict::Ruptured)
-                .contains("ruptured</span><span class=\"beside\">at 40.0 ms")
-        );
+        let ruptured = film(ruptured.as_object().unwrap(), true, Verdict::Ruptured);
+        assert!(ruptured.contains("ruptured</span><span class=\"beside\">at 40.0 ms"));
     }
 
     #[test]

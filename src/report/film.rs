@@ -198,8 +198,6 @@ fn note(scene: &RunScene, outcome: &Outcome) -> String {
 
 #[cfg(test)]
 pub mod tests {
-    use scene::mesh::{Mesh, Quality};
-
     use super::*;
 
     /// A square sheet of `n` × `n` quadrilaterals.
@@ -209,19 +207,7 @@ pub mod tests {
             (0..row * row).map(|at| [(at % row) as f32 / n as f32, (at / row) as f32 / n as f32, 0.0]).collect();
         let corner = |at: u32| at / n * row + at % n;
         let quads = (0..n * n).map(|at| [corner(at), corner(at) + 1, corner(at) + row + 1, corner(at) + row]).collect();
-        let quality = Quality::from_mesh(&Mesh::default());
-        (
-            points,
-            Film {
-                nodes: (row * row) as usize,
-                quads,
-                tris: vec![],
-                mirrored: [true; 2],
-                held: vec![],
-                springs: vec![],
-                quality,
-            },
-        )
+        (points, Film { nodes: (row * row) as usize, quads, mirrored: [true; 2], ..Film::default() })
     }
 
     fn snapshot(time: f64, points: &[[f32; 3]], film: &Film) -> Snapshot {

@@ -547,10 +547,7 @@ mod tests {
     fn a_wide_table_of_few_rows_is_turned() {
         let head: Vec<Cell> = (0..13).map(|at| Cell::text(format!("c{at}"))).collect();
         let row: Vec<Cell> = (0..13).map(|at| Cell::number(f64::from(at), at.to_string())).collect();
-        let html = sorted_table(&head, &[row]);
-        assert!(
-            html.contains("<tr><th scope=\"row\">c12</th><td class=\"number\" data-sort=\"1.2e1\">12</td></tr>"),
-            "{html}"
-        );
+        let (html, last) = (sorted_table(&head, &[row]), "<td class=\"number\" data-sort=\"1.2e1\">12</td></tr>");
+        assert!(html.contains(&format!("<tr><th scope=\"row\">c12</th>{last}")), "{html}");
     }
 }

@@ -285,13 +285,9 @@ mod tests {
     fn a_page_shows_searches_up_to_its_limit_of_points() {
         let history: Vec<(usize, f64)> = (0..50_000).map(|iteration| (iteration, 1.0)).collect();
         let search = |title: &str| ConvergenceHistory {
-            continues: false,
             title: title.into(),
-            unknowns: vec![],
             objectives: vec![history.clone()],
-            history: vec![],
-            fits: vec![],
-            is_virtual: false,
+            ..ConvergenceHistory::default()
         };
         let output =
             ScriptOutput { searches: ["first", "<second>", "third"].map(search).into(), ..ScriptOutput::default() };
@@ -309,19 +305,14 @@ mod tests {
     fn search(objectives: &[f64]) -> ConvergenceHistory {
         let target = Target { over: Over::Time, places: vec![0.0, 0.05], values: vec![0.0, 150.0] };
         let at = |place: usize| Iterate { iteration: place + 1, f: objectives[place], x: vec![objectives[place]] };
+        let (quantity, unit) = ("acceleration".into(), Unit::parse("m/s²").ok());
         ConvergenceHistory {
-            continues: false,
             title: "1008".into(),
             unknowns: vec!["k1".into()],
             objectives: vec![objectives.iter().enumerate().map(|(place, f)| (place + 1, *f)).collect()],
             history: (0..objectives.len()).map(at).collect(),
-            fits: vec![Fit {
-                quantity: "acceleration".into(),
-                unit: Unit::parse("m/s²").ok(),
-                target,
-                values: vec![0.0, 2.0],
-            }],
-            is_virtual: false,
+            fits: vec![Fit { quantity, unit, target, values: vec![0.0, 2.0] }],
+            ..ConvergenceHistory::default()
         }
     }
 

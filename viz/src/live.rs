@@ -306,7 +306,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use scene::mesh::{Mesh, Quality};
     use scene::scenario::Document;
     use scene::simulate::Film;
 
@@ -316,16 +315,7 @@ mod tests {
     }
 
     fn film() -> Film {
-        let quality = Quality::from_mesh(&Mesh::default());
-        Film {
-            nodes: 3,
-            quads: vec![],
-            tris: vec![[0, 1, 2]],
-            held: vec![],
-            springs: vec![],
-            mirrored: [false; 2],
-            quality,
-        }
+        Film { nodes: 3, tris: vec![[0, 1, 2]], ..Film::default() }
     }
 
     /// The triangle, stretched.

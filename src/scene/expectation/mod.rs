@@ -508,10 +508,8 @@ mod tests {
         let between = Some([138.0, 142.0]);
         let expected = FigureBounds::Bounds { between, absolute: None, relative: None };
         assert_eq!(figure("peak_acceleration_m_s2"), Some(expected));
-        assert_eq!(
-            (figure("ruptured"), figure("layers")),
-            (Some(FigureBounds::Flag(false)), Some(FigureBounds::Number(8.0)))
-        );
+        assert_eq!(figure("ruptured"), Some(FigureBounds::Flag(false)));
+        assert_eq!(figure("layers"), Some(FigureBounds::Number(8.0)));
         let with_corridor = checked("[signals.force_N]\ncorridor = \"corridor.csv\"").unwrap();
         assert_eq!(with_corridor.signal("force_N").unwrap().corridor.as_ref().unwrap()[1].value_at(0.5), Some(1.5));
         assert!(with_corridor.signal("displacement_m").is_none());

@@ -379,10 +379,8 @@ mod tests {
         let window = SignalBounds { window: Some([0.6, 1.0]), ..relative(0.01) };
         assert_eq!(found(window, &old, &new), []);
         let elsewhere = SignalBounds { window: Some([2.0, 3.0]), ..relative(0.01) };
-        assert_eq!(
-            found(elsewhere, &old, &new),
-            [Difference::NothingWithin { signal: "force_N".into(), window: [2.0, 3.0] }]
-        );
+        let nothing = Difference::NothingWithin { signal: "force_N".into(), window: [2.0, 3.0] };
+        assert_eq!(found(elsewhere, &old, &new), [nothing]);
         let absolute = SignalBounds { absolute: Some(5.0), ..relative(0.01) };
         assert_eq!(found(absolute, &old, &new), [], "the larger of both holds");
     }

@@ -245,7 +245,7 @@ pub(crate) fn extent(mesh: &Mesh) -> f64 {
 }
 
 /// Extremes over the elements of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// Number of elements.
     pub elements: usize,

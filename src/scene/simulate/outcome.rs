@@ -14,7 +14,7 @@ use membrane::engine::{self, AddedMass, ElementDetail, ElementStrain, Relaxation
 use membrane::lane::Width;
 
 /// The outcome of a run. It is serialized without its pictures: snapshots, topology and surfaces.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Outcome {
     /// Channels of `signals.csv`, in its order, without the filtered one (that is post-processing).
     pub signals: Recording,
@@ -73,7 +73,7 @@ pub struct Outcome {
 }
 
 /// Topology of one face, for pictures of it; it is serialized without its elements and edges.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Film {
     /// Number of nodes.
     pub nodes: usize,
