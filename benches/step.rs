@@ -1,4 +1,4 @@
-//! What a step costs, and how far that is from what this machine can do: `cargo bench --bench step`, or one section of it:
+//! What a step costs: `cargo bench --bench step`, or one section of it:
 //! `cargo bench --bench step -- impactors`.
 //!
 //! Prints the tables of docs/performance.md. Every figure is the median of several measurements in this one process.
@@ -39,11 +39,8 @@ fn main() {
         ("threads", |_| threads()),
     ];
     let is_wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
-    assert!(
-        sections.iter().any(|(name, _)| is_wanted(name)),
-        "there are the sections {}",
-        sections.map(|(name, _)| name).join(", ")
-    );
+    let names = sections.map(|(name, _)| name);
+    assert!(names.into_iter().any(is_wanted), "there are the sections {}", names.join(", "));
     let machine = machine();
     for (_, section) in sections.iter().filter(|(name, _)| is_wanted(name)) {
         section(&machine);
@@ -97,72 +94,8 @@ fn machine() -> Machine {
     println!("## The machine, one thread\n");
     println!("| | |\n|---|---|");
     println!("| clock while at work | {:.2} GHz |", clock * 1e-9);
-    for width in Width::available() {
-        println!("| additions and multiplications, {width:?} | {:.1} GFlop/s |", 1e-9 * flops(width));
-    }
-    for (name, bytes) in [("second-level cache, 1 MB", 1 << 20), ("memory, 256 MB", 256 << 20)] {
-        println!("| read and write, {name} | {:.1} GB/s |", 1e-9 * bandwidth(bytes));
-    }
     println!();
     Machine { clock }
-}
-
-const ROUNDS: usize = 4_000_000;
-
-/// Chains of multiply and add that do not wait for each other: enough to fill the pipes, few enough for the registers.
-#[inline(always)]
-fn chains<const LANES: usize, const CHAINS: usize>() -> [[f64; LANES]; CHAINS] {
-    let mut x = black_box([[1.0; LANES]; CHAINS]);
-    let (a, b) = (black_box([0.999; LANES]), black_box([0.001; LANES]));
-    for _ in 0..ROUNDS {
-        for chain in &mut x {
-            for l in 0..LANES {
-                chain[l] = chain[l] * a[l] + b[l];
-            }
-        }
-    }
-    x
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn chains_of_512() -> [[f64; 8]; 8] {
-    chains()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn chains_of_256() -> [[f64; 4]; 12] {
-    chains()
-}
-
-/// Additions and multiplications a second in registers, which is what the kernels are made of.
-fn flops(width: Width) -> f64 {
-    let (chained, work): (usize, fn()) = match width {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Width::available` names what the processor has.
-        Width::Avx512 => (8 * 8, || _ = black_box(unsafe { chains_of_512() })),
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: as above.
-        Width::Avx2 => (4 * 12, || _ = black_box(unsafe { chains_of_256() })),
-        _ => (2 * 12, || _ = black_box(chains::<2, 12>())),
-    };
-    (ROUNDS * chained * 2) as f64 / median((0..REPEATS).map(|_| seconds(work)).collect())
-}
-
-/// Bytes a second that go through x := x + a y.
-fn bandwidth(bytes: usize) -> f64 {
-    let count = bytes / 16;
-    let (mut x, y) = (vec![1.0_f64; count], vec![2.0_f64; count]);
-    let rounds = ((1 << 29) / bytes).max(2);
-    let mut pass = || {
-        for _ in 0..rounds {
-            x.iter_mut().zip(&y).for_each(|(x, y)| *x += 1e-9 * y);
-            black_box(&mut x);
-        }
-    };
-    pass();
-    (rounds * count * 24) as f64 / median((0..REPEATS).map(|_| seconds(&mut pass)).collect())
 }
 
 /// Forces of one face of 40×40 one-point quads, alone: gather, law, scatter.
@@ -321,11 +254,8 @@ fn laws_in_steps() {
         [("fabric", fibres), ("elastic", elastic), ("neo-Hookean", &neo_hookean), ("Ogden, three terms", &ogden)]
     {
         let [plain, viscous] = [base.to_owned(), format!("{base}, {prony}")].map(|keys| pulled(&keys));
-        println!(
-            "| {name}, Prony series of five terms | {viscous:.1} | {:.2} | {:.2} |",
-            viscous / fabric,
-            viscous / plain
-        );
+        let [over_fabric, over_plain] = [fabric, plain].map(|cost| viscous / cost);
+        println!("| {name}, Prony series of five terms | {viscous:.1} | {over_fabric:.2} | {over_plain:.2} |");
     }
     println!();
 }

@@ -45,11 +45,8 @@ fn main() {
     row("resident memory at the end, MB", &|timed| format!("{:.1}", timed.memory[1]));
     let stored = EvaluationStore::list(folder.path()).expect("records");
     let bytes: u64 = stored.iter().map(|build| build.bytes).sum();
-    println!(
-        "\n{:.0} bytes of records a run; table of {} bytes a run, gathered in {gathered:.2} s",
-        bytes as f64 / runs as f64,
-        csv.len() / runs
-    );
+    let (record, row) = (bytes as f64 / runs as f64, csv.len() / runs);
+    println!("\n{record:.0} bytes of records a run; table of {row} bytes a run, gathered in {gathered:.2} s");
 }
 
 struct Timed {
