@@ -81,11 +81,8 @@ fn mistakes_in_other_channels_do_not_matter() {
     assert_eq!(found.channels[0].series.values(), [1.0, 2.0]);
     assert_eq!(found.channels[0].filtered, Some(600.0));
     for expected in ["a channel beside it cannot be read", "the number of samples is not stated"] {
-        assert!(
-            found.annotations.notes().iter().any(|note| note.contains(expected)),
-            "{expected}: {:?}",
-            found.annotations.notes()
-        );
+        let notes = found.annotations.notes();
+        assert!(notes.iter().any(|note| note.contains(expected)), "{expected}: {notes:?}");
     }
     assert!(file::read(&place("t.002"), &ReadOptions::default()).is_err());
     assert!(file::read(&place("t.chn"), &ReadOptions::default()).is_err());
@@ -93,11 +90,8 @@ fn mistakes_in_other_channels_do_not_matter() {
     let found = file::read(&place("t.chn"), &ReadOptions::default()).expect("readable");
     assert_eq!(found.channels[1].filtered, None);
     for expected in ["t.chn: lines without a colon are left out: 1", "class `odd` is not known"] {
-        assert!(
-            found.annotations.notes().iter().any(|note| note.contains(expected)),
-            "{expected}: {:?}",
-            found.annotations.notes()
-        );
+        let notes = found.annotations.notes();
+        assert!(notes.iter().any(|note| note.contains(expected)), "{expected}: {notes:?}");
     }
     let error = file::read(&place("t.chn"), &ReadOptions::one(Some("11HEADCG0000ACXP"))).expect_err("two of one code");
     assert!(error.to_string().contains("2 channels are called `11HEADCG0000ACXP`"), "{error}");

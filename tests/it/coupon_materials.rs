@@ -87,14 +87,9 @@ fn virtual_coupons_mark_both_files() {
     reduction.directions.iter_mut().for_each(|along| along.virtual_recordings = 1);
     let texts = material(&reduction).texts().unwrap();
     let [material, shear] = [&texts.material, &texts.shear].map(|text| text.lines().next().unwrap());
-    assert_eq!(
-        material,
-        "# Written by droptower from coupon tests: 3 recordings, 3 of them VIRTUAL: nothing was pulled."
-    );
-    assert_eq!(
-        shear,
-        "# Written by droptower from coupon tests of D3: 1 recordings, 1 of them VIRTUAL: nothing was pulled."
-    );
+    let written = "# Written by droptower from coupon tests";
+    assert_eq!(material, format!("{written}: 3 recordings, 3 of them VIRTUAL: nothing was pulled."));
+    assert_eq!(shear, format!("{written} of D3: 1 recordings, 1 of them VIRTUAL: nothing was pulled."));
 }
 
 #[test]

@@ -22,7 +22,7 @@ use recordings::{GRAVITY, Given, Setup};
 use serde::{Deserialize, Serialize};
 use thorough::thorough;
 
-use crate::workbench::{droptower, error, figures, root};
+use crate::workbench::{droptower, error, figure, figures, root};
 
 /// Elements of the calibration, and of the truth: on half the size it would be off the limit, to which signals are corrected, by
 /// just what the correction states as its error.
@@ -87,13 +87,11 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
     let columns = if made.laser.is_some() { ",laser_m" } else { "" };
     let mut table = format!("# VIRTUAL drop\ntime_s,accelerometer_m_s2{columns}\n");
     for (place, (time, value)) in made.time.iter().zip(&made.accelerometer).enumerate() {
-        table.push_str(&format!("{time:.7},{value:.5}"));
-        match made.laser.as_ref().map(|laser| laser[place]) {
-            Some(laser) if laser.is_nan() => table.push(','),
-            Some(laser) => table.push_str(&format!(",{laser:.6}")),
-            None => {}
-        }
-        table.push('\n');
+        let laser = match made.laser.as_ref().map(|laser| laser[place]) {
+            Some(laser) if laser.is_nan() => ",".to_owned(),
+            laser => laser.map_or_else(String::new, |laser| format!(",{laser:.6}")),
+        };
+        table += &format!("{time:.7},{value:.5}{laser}\n");
     }
     fs::write(folder.join("drop.csv"), table).expect("written");
 
@@ -104,8 +102,7 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
     if !reduced.status.success() {
         return Err(error(&reduced));
     }
-    let reduced = figures(&reduced);
-    let measured = speed_of(&reduced).ok_or_else(|| reduced.to_string())?;
+    let measured = figure(&figures(&reduced), "impact_velocity_m_s");
     let scenario = format!(
         "extends = \"{}\"\nspecimen.mesh.size = \"{}\"\nimpactor.shape.sphere.radius = \"{RADIUS}\"\nloading.impact.velocity = \"{measured} m/s\"\n\
          loading.impact.duration = \"90 ms\"\n\
@@ -181,17 +178,6 @@ fn error_of_the_law(random: &mut ChaCha8Rng, clean: &[f64], share: f64) -> Vec<f
             size(place) * sum / (waves.len() as f64).sqrt()
         })
         .collect()
-}
-
-fn speed_of(reduced: &serde_json::Value) -> Option<f64> {
-    match reduced {
-        serde_json::Value::Object(map) => map
-            .get("impact_velocity_m_s")
-            .and_then(serde_json::Value::as_f64)
-            .or_else(|| map.values().find_map(speed_of)),
-        serde_json::Value::Array(items) => items.iter().find_map(speed_of),
-        _ => None,
-    }
 }
 
 fn posterior(table: &Path, truths: &[(&str, f64)]) -> Vec<Found> {

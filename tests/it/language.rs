@@ -45,10 +45,8 @@ fn a_diameter_is_twice_the_radius_and_replaces_an_inherited_one() {
     assert_eq!(model.specimen.shape, Outline::Circle { radius: 0.2 });
     let shape = &model.impactors[0].shape;
     assert!(matches!(shape, ImpactorShape::Sphere { radius } if *radius == 0.04), "{shape:?}");
-    let bars = self::model("bars", "extends = \"tower.toml\"\nframe.bars = { diameter = \"2 mm\", friction = 0.3 }\n")
-        .frame
-        .bars;
-    assert_eq!(bars.map(|bars| bars.radius), Some(0.001));
+    let bars = "extends = \"tower.toml\"\nframe.bars = { diameter = \"2 mm\", friction = 0.3 }\n";
+    assert_eq!(self::model("bars", bars).frame.bars.map(|bars| bars.radius), Some(0.001));
 }
 
 #[test]
@@ -149,15 +147,12 @@ fn a_stretch_rotates_the_film_and_not_its_axis() {
 
 #[test]
 fn multipliers_transform_a_general_curve_as_its_yield_points() {
-    let general = "
-        extends = \"tower.toml\"
-        specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
-        specimen.material.fabric.md = { curve = [[0, 0], [0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]], yield_strains = [0.26, 0.84] }
-        ";
     let named = "
         extends = \"tower.toml\"
         specimen.material.fabric.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
         ";
+    let general = named.to_owned()
+        + "specimen.material.fabric.md = { curve = [[0, 0], [0.26, 8.4e6], [0.84, 20e6], [1.39, 29.3e6]], yield_strains = [0.26, 0.84] }";
     let apart = "
         extends = \"tower.toml\"
         specimen.material.fabric.scale = { k1 = 5, ke = 5, ky = 5 }
@@ -165,7 +160,7 @@ fn multipliers_transform_a_general_curve_as_its_yield_points() {
         specimen.material.fabric.td.scale = { k1 = 2.75, ke = 3.41, ky = 1.2 }
         ";
     let named = &model("b", named).faces[0].material;
-    assert_eq!(&model("a", general).faces[0].material, named);
+    assert_eq!(&model("a", &general).faces[0].material, named);
     assert_eq!(&model("c", apart).faces[0].material, named);
 }
 
@@ -279,6 +274,17 @@ fn measured_rates_follow_from_curves_by_rate() {
     assert_eq!(read(&[]), Some([1.0, 9.0]));
 }
 
+/// Two balls with these coefficients of friction.
+fn balls(frictions: [f64; 2]) -> String {
+    let ball = |(friction, x): (f64, f64)| {
+        format!(
+            "[[impactor]]\nname = \"ball_at_{}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = {friction}\nposition = [{x}, 0]\n",
+            if x < 0.0 { "left" } else { "right" }
+        )
+    };
+    frictions.into_iter().zip([-0.05, 0.05]).map(ball).collect()
+}
+
 /// Elements are fine under each of two bodies; `polygon.file` replaces inherited corners with their holes; a loop may
 /// repeat its first corner; a mesh of film has a unit.
 #[test]
@@ -291,12 +297,7 @@ fn outlines_and_refinement_are_what_was_written() {
     };
     let film = "specimen.material = { density = 915, thickness = 20e-6, elastic = { young = 1e6, poisson = 0.3 } }
         loading.impact = { velocity = 1, duration = 0.01 }\n";
-    let ball = |name: &str, x: f64, more: &str| {
-        format!(
-            "[[impactor]]\nname = \"{name}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = 0\nposition = [{x}, 0]\n{more}\n"
-        )
-    };
-    let balls = [ball("a", -0.05, ""), ball("b", 0.05, "guide = \"free\"\nspin = [0, 0, \"60 rpm\"]")].concat();
+    let balls = balls([0.0; 2]) + "guide = \"free\"\nspin = [0, 0, \"60 rpm\"]\n";
     let square = "specimen.shape.polygon = { points = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1]], \
         holes = [[[0.08, 0.08], [0.09, 0.08], [0.09, 0.09]]] }\n\
         specimen.mesh = { size = 0.02, fine = 0.002 }\n";
@@ -326,13 +327,7 @@ fn outlines_and_refinement_are_what_was_written() {
 fn film_on_film_has_the_friction_of_no_impactor_before_another() {
     let folder = tempfile::tempdir().expect("a folder");
     let between = |frictions: [f64; 2], more: &str| {
-        let ball = |(place, friction): (usize, f64)| {
-            format!(
-                "[[impactor]]\nname = \"ball_{place}\"\nshape.sphere.radius = 0.01\nmass = 1\nfriction = {friction}\nposition = [{}, 0]\n",
-                0.1 * place as f64 - 0.05
-            )
-        };
-        let balls: String = frictions.into_iter().enumerate().map(ball).collect();
+        let balls = balls(frictions);
         let text = format!(
             "specimen.shape.rectangle = [0.2, 0.2]\nspecimen.mesh.size = 0.02
              specimen.material = {{ density = 915, thickness = 20e-6, elastic = {{ young = 1e6, poisson = 0.3 }} }}

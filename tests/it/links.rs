@@ -2,11 +2,10 @@
 
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::workbench::{droptower, error, printed, refused};
+use crate::workbench::{drop_bench, droptower, error, names, printed, refused};
 
 const SENTINEL: &str = "not yours\n";
 
@@ -15,17 +14,9 @@ const QUICK: [&str; 5] = ["--set", "specimen.mesh.size=80mm", "--set", "loading.
 
 /// A project with a drop test, and a folder outside of it with a file.
 fn project() -> (TempDir, TempDir) {
-    let (project, outside) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    assert!(droptower(project.path(), &["new", "drop", "drop.toml"]).status.success());
+    let (project, outside) = (drop_bench(), tempfile::tempdir().unwrap());
     fs::write(outside.path().join("sentinel"), SENTINEL).unwrap();
     (project, outside)
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 /// Each path that the program makes up, as a link, with the command that writes there; whether the command goes on without
@@ -46,7 +37,7 @@ fn nothing_is_written_through_a_link() {
         let refused = droptower(project.path(), &arguments);
         let message = error(&refused);
         assert!(!refused.status.success() && message.contains("is a link"), "{arguments:?}: {message}");
-        assert_eq!(files(outside.path()), ["sentinel"], "{arguments:?}");
+        assert_eq!(names(outside.path()), ["sentinel"], "{arguments:?}");
     }
     let (project, outside) = project();
     let sentinel = outside.path().join("sentinel");

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::workbench::{data, droptower, error, printed, root};
 
@@ -146,11 +146,7 @@ fn check(text: &str, what: &str) {
         assert_eq!(law.field("I_YIELD0"), 1.0, "{what}: the curve is that along MD");
     }
     for contact in named(&all, "INTER/TYPE7/") {
-        assert_eq!(
-            [contact.field("Iform"), contact.field("Istf"), contact.field("Igap")],
-            [2.0, 4.0, 1000.0],
-            "{what}"
-        );
+        assert_eq!(["Iform", "Istf", "Igap"].map(|name| contact.field(name)), [2.0, 4.0, 1000.0], "{what}");
         check_gap(contact, &all, what);
     }
 }
@@ -161,10 +157,8 @@ fn check_fabric(law: &Block, curves: &BTreeMap<i64, Vec<Vec<f64>>>, what: &str) 
     for (up, down) in [("FCT_ID1", "FCT_ID4"), ("FCT_ID2", "FCT_ID5"), ("FCT_ID3", "FCT_ID6")] {
         let loading = curve(up).unwrap_or_else(|| panic!("{what}: {up}"));
         for points in [Some(loading), curve(down)].into_iter().flatten() {
-            assert!(
-                points.windows(2).all(|ends| ends[0][1] < ends[1][1]),
-                "{what}: {up} has a piece that does not rise"
-            );
+            let rises = points.windows(2).all(|ends| ends[0][1] < ends[1][1]);
+            assert!(rises, "{what}: {up} has a piece that does not rise");
             if up == "FCT_ID3" {
                 let mirrored = points.iter().rev().flatten().map(|value| -value);
                 let is_odd = |(a, b): (f64, &f64)| (a - b).abs() <= 1e-9 * b.abs();
@@ -183,10 +177,8 @@ fn check_fabric(law: &Block, curves: &BTreeMap<i64, Vec<Vec<f64>>>, what: &str) 
             a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0])
         };
         let below = unloading.iter().filter(|point| point[0] > 0.0 && point[0] < top[0]);
-        assert!(
-            below.clone().count() > 0 && below.clone().all(|point| point[1] < at(point[0])),
-            "{what}: {down} crosses {up}"
-        );
+        let is_below = below.clone().count() > 0 && below.clone().all(|point| point[1] < at(point[0]));
+        assert!(is_below, "{what}: {down} crosses {up}");
     }
 }
 
@@ -248,26 +240,11 @@ fn cards_follow_the_rules_of_openradioss() {
                     ["export", "card", film, "--for", "openradioss", "--units", units, "-o", "film.rad", "--force"];
                 let written = run(&[&card[..], *more].concat());
                 assert!(written.status.success(), "{film}: {}", error(&written));
-                check(
-                    &fs::read_to_string(bench.path().join("film.rad")).expect("the card"),
-                    &format!("{film} in {units}"),
-                );
+                let text = fs::read_to_string(bench.path().join("film.rad")).expect("the card");
+                check(&text, &format!("{film} in {units}"));
             }
         }
     }
-}
-
-fn scenarios(folder: &Path) -> Vec<PathBuf> {
-    let mut found = vec![];
-    for entry in fs::read_dir(folder).expect("a folder").flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            found.extend(scenarios(&path));
-        } else if path.extension().is_some_and(|ending| ending == "toml") {
-            found.push(path);
-        }
-    }
-    found
 }
 
 /// Every scenario here that can be written.
@@ -281,7 +258,8 @@ fn decks_follow_the_rules_of_openradioss() {
     for law in ["elastic", "neo-hookean"] {
         printed(&droptower(&folder, &["new", "material", law, &format!("{law}.toml")]));
     }
-    let mut all = scenarios(&root().join("scenarios"));
+    let all = glob::glob(&format!("{}/scenarios/**/*.toml", root().display())).expect("a pattern");
+    let mut all: Vec<PathBuf> = all.flatten().collect();
     for scenario in own {
         let here = bench.path().join(scenario.file_name().expect("a name"));
         fs::copy(&scenario, &here).expect("copied");
@@ -289,9 +267,8 @@ fn decks_follow_the_rules_of_openradioss() {
     }
     for scenario in all {
         let path = scenario.to_str().expect("UTF-8");
-        let written =
-            droptower(bench.path(), &["export", "deck", path, "--for", "openradioss", "-o", "deck", "--force"]);
-        if written.status.success() {
+        let arguments = ["export", "deck", path, "--for", "openradioss", "-o", "deck", "--force"];
+        if droptower(bench.path(), &arguments).status.success() {
             decks += 1;
             check(&fs::read_to_string(bench.path().join("deck/film_0000.rad")).expect("the deck"), path);
         }

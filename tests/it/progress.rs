@@ -2,17 +2,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Output, Stdio};
+use std::process::{Child, Output};
 
-use crate::workbench::{await_of, command, droptower, error, figures, json, printed, root, scene};
+use crate::workbench::{await_of, droptower, error, figures, json, names, printed, root, scene, start};
 use serde_json::Value as Json;
 
 const VARIATION: &str = "[variation]\nsamples = 6\n\"impactor.mass\" = { uniform = [\"10 kg\", \"12 kg\"] }\n\
                          \"impactor.friction\" = { uniform = [0.1, 0.5] }\n";
-
-fn start(folder: &Path, arguments: &[&str]) -> Child {
-    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
-}
 
 /// Waits for a file of a process that runs.
 fn wait_for(child: &mut Child, what: impl Fn() -> bool) {
@@ -30,39 +26,25 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("an entry").file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn the_page_of_a_sweep_becomes_its_report() {
     let scene = scene(VARIATION);
     let folder = scene.path();
     let output = droptower(folder, &["sweep", "drop.toml"]);
     let told = error(&output);
-    assert_eq!(
-        told.lines().next(),
-        Some("note: runs/.progress/drop.sweep/progress.html shows how far it is"),
-        "{told}"
-    );
-    assert_eq!(names(&folder.join("runs/.progress/drop.sweep")), ["progress.html"]);
-    let page = read(&folder.join("runs/.progress/drop.sweep/progress.html"));
+    let first = "note: runs/.progress/drop.sweep/progress.html shows how far it is";
+    assert_eq!(told.lines().next(), Some(first), "{told}");
+    let progress = folder.join("runs/.progress/drop.sweep");
+    assert_eq!(names(&progress), ["progress.html"]);
+    let page = read(&progress.join("progress.html"));
     assert!(page.contains("content=\"0; url=../../drop.sweep/report.html\""), "{page}");
-    assert!(folder.join("runs/.progress/drop.sweep/../../drop.sweep/report.html").is_file());
+    assert!(progress.join("../../drop.sweep/report.html").is_file());
     let events = droptower(folder, &["sweep", "drop.toml", "--json"]);
     let first: Json = serde_json::from_str(error(&events).lines().next().expect("an event")).expect("JSON");
     assert_eq!([&first["event"], &first["path"]], ["page", "runs/.progress/drop.sweep/progress.html"]);
     let part = droptower(folder, &["sweep", "drop.toml", "--shard", "1/2", "--quiet"]);
     assert!(part.status.success() && error(&part).is_empty());
-    assert_eq!(
-        names(&folder.join("runs/.progress/drop.sweep")),
-        ["progress.html"],
-        "a part that has ended leaves no page"
-    );
+    assert_eq!(names(&progress), ["progress.html"], "a part that has ended leaves no page");
 }
 
 #[cfg(unix)]
@@ -88,11 +70,9 @@ fn an_interrupted_sweep_lets_runs_end_and_leaves_what_is_done() {
     let rows = read(&progress.join("table.csv")).lines().count() as u64 - 1;
     assert_eq!(Some(rows), stopped["runs"].as_u64());
     let page = read(&progress.join("progress.html"));
-    assert!(
-        page.contains(": stopped</h1>") && page.contains("data-lives=\"false\""),
-        "the page says that it was stopped"
-    );
-    assert!(page.contains("<pre>droptower sweep drop.toml -n 100000</pre>"), "the page says how it goes on");
+    for part in [": stopped</h1>", "data-lives=\"false\"", "<pre>droptower sweep drop.toml -n 100000</pre>"] {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
     assert!(!folder.join("runs/drop.sweep").exists(), "a part is not stored as the whole");
     printed(&droptower(folder, &["sweep", "drop.toml"]));
     assert_eq!(names(&progress), ["progress.html"], "nothing of the stop is left");

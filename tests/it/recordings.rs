@@ -31,13 +31,8 @@ fn a_container_is_read_with_both_kinds_of_time() {
         assert!(chest.values()[12].is_nan(), "NOVALUE was not measured");
         assert_eq!(chest.values().iter().filter(|value| value.is_nan()).count(), 1);
         close(chest.time()[19], 0.0014, 1e-12);
-        let comment = "Time zero: first contact with the barrier face".to_owned();
-        assert_eq!(
-            read.annotations.notes().contains(&comment),
-            !path.ends_with("chn"),
-            "{:?}",
-            read.annotations.notes()
-        );
+        let (notes, comment) = (read.annotations.notes(), "Time zero: first contact with the barrier face".to_owned());
+        assert_eq!(notes.contains(&comment), !path.ends_with("chn"), "{notes:?}");
     }
 }
 

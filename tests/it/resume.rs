@@ -200,19 +200,6 @@ fn a_run_resumes_from_the_checkpoint_before_a_damaged_one() {
     assert!(said.contains("is damaged; "), "{said}");
 }
 
-#[test]
-fn a_failed_run_leaves_no_checkpoints() {
-    let bench = drop_bench();
-    // A film that turns into diamond at 30 % makes the stable step collapse when the sphere gets there.
-    let wall = "specimen.material.fabric.md={yield=[[0.2,'5 MPa'],[0.3,'6 MPa']],break=[0.31,1e15]}";
-    let measured = "specimen.material.fabric.scale={k1=1,ke=1,ky=1}";
-    let coarse = ["--set", "specimen.mesh.size=50mm", "--set", wall, "--set", measured];
-    let output = run(bench.path(), &[&coarse[..], &["--checkpoint-every", "1 ms"]].concat());
-    assert_eq!(output.status.code(), Some(3), "{}", error(&output));
-    assert!(bench.path().join("runs/drop.failed").exists());
-    assert!(!bench.path().join("runs/drop.checkpoint").exists());
-}
-
 /// A run that would take hours says so, and is killed.
 #[test]
 fn a_run_of_hours_has_a_forecast() {

@@ -12,7 +12,7 @@ use droptower::signal::{Series, integrate};
 use droptower::units::{Acceleration, STANDARD_GRAVITY};
 use serde_json::Value as Json;
 
-use crate::workbench::{self, SHOCK_NAMES, data, shocks};
+use crate::workbench::{self, SHOCK_NAMES, figure, shocks};
 
 /// Ratings that the authors of the curves in `data/iso18571` state for them: yeonsoo-p/ISO18571,
 /// `examples/quickstart.ipynb`, 00b2488.
@@ -30,10 +30,6 @@ fn droptower(arguments: &[&str]) -> Output {
 
 fn json(arguments: &[&str]) -> Json {
     workbench::figures(&droptower(arguments))
-}
-
-fn number(figures: &Json, key: &str) -> f64 {
-    figures[key].as_f64().unwrap_or_else(|| panic!("`{key}` is no number in {figures}"))
 }
 
 /// A folder with files of these names and texts.
@@ -56,18 +52,14 @@ fn square(t: f64) -> f64 {
 
 #[test]
 fn reference_curves_get_the_stated_ratings() {
-    let figures = json(&[
-        "rate",
-        data("iso18571/reference.csv").to_str().expect("UTF-8"),
-        data("iso18571/comparison.csv").to_str().expect("UTF-8"),
-        "--json",
-    ]);
+    let [reference, comparison] = ["reference", "comparison"].map(|name| format!("data/iso18571/{name}.csv"));
+    let figures = json(&["rate", &reference, &comparison, "--json"]);
     for (name, stated) in STATED {
-        assert!((number(&figures, name) - stated).abs() < 1e-12, "{name}: {figures}");
+        assert!((figure(&figures, name) - stated).abs() < 1e-12, "{name}: {figures}");
     }
     assert_eq!(figures["grade"], "good");
     assert_eq!(figures["samples"], 600);
-    assert!((number(&figures, "shift_s") - 7e-4).abs() < 1e-12, "{figures}");
+    assert!((figure(&figures, "shift_s") - 7e-4).abs() < 1e-12, "{figures}");
 }
 
 #[test]
@@ -102,17 +94,16 @@ fn a_square_pulse_has_its_criterion_and_its_clip() {
     let path = folder.path().join("a.csv");
     let path = path.to_str().expect("UTF-8");
     let hic = json(&["hic", path, "--column", "accel", "--unit", "g", "--window", "15", "--json"]);
-    assert!((number(&hic, "hic") - 265.165).abs() < 1e-3, "{hic}");
-    assert_eq!((number(&hic, "window_ms"), number(&hic, "duration_ms")), (15.0, 15.0));
-    assert!(
-        (number(&hic, "mean_g") - 50.0).abs() < 1e-9 && number(&hic, "t1_s") >= 0.03 && number(&hic, "t2_s") <= 0.05
-    );
+    assert!((figure(&hic, "hic") - 265.165).abs() < 1e-3, "{hic}");
+    assert_eq!((figure(&hic, "window_ms"), figure(&hic, "duration_ms")), (15.0, 15.0));
+    let [mean, from, to] = ["mean_g", "t1_s", "t2_s"].map(|name| figure(&hic, name));
+    assert!((mean - 50.0).abs() < 1e-9 && from >= 0.03 && to <= 0.05, "{hic}");
     assert!(hic.get("filter_class").is_none() && hic.get("hic_d").is_none(), "{hic}");
     let hic = json(&["hic", path, "--unit", "g", "--window", "36", "--json"]);
-    assert!((number(&hic, "hic_d") - (0.75446 * number(&hic, "hic") + 166.4)).abs() < 1e-9, "{hic}");
+    assert!((figure(&hic, "hic_d") - (0.75446 * figure(&hic, "hic") + 166.4)).abs() < 1e-9, "{hic}");
     for counting in ["cumulative", "contiguous"] {
         let clip = json(&["clip", path, "--unit", "g", "--counting", counting, "--json"]);
-        assert!((number(&clip, "clip_g") - 50.0).abs() < 1e-9, "{clip}");
+        assert!((figure(&clip, "clip_g") - 50.0).abs() < 1e-9, "{clip}");
         assert_eq!(clip["counting"], counting);
     }
 }
@@ -129,15 +120,13 @@ fn the_rebound_can_be_left_out() {
     let path = folder.path().join("a.csv");
     let path = path.to_str().expect("UTF-8");
     let clip = |more: &[&str]| json(&[&["clip", path, "--json"], more].concat());
-    assert!((number(&clip(&[]), "clip_g") - 90.0).abs() < 1e-9);
+    assert!((figure(&clip(&[]), "clip_g") - 90.0).abs() < 1e-9);
     let cut = clip(&["--until", "40 ms"]);
-    assert!((number(&cut, "clip_g") - 60.0).abs() < 1e-9 && number(&cut, "until_ms") == 40.0, "{cut}");
+    assert!((figure(&cut, "clip_g") - 60.0).abs() < 1e-9 && figure(&cut, "until_ms") == 40.0, "{cut}");
     let hic = json(&["hic", path, "--json", "--until", "40"]);
-    assert!((number(&hic, "hic") - 0.01 * 60_f64.powf(2.5)).abs() < 3.0, "{hic}");
-    let refused = droptower(&["clip", path, "--until", "-1"]);
-    assert!(
-        workbench::error(&refused).contains("the record begins at 0 ms and ends at 100 ms, none of it before -1 ms")
-    );
+    assert!((figure(&hic, "hic") - 0.01 * 60_f64.powf(2.5)).abs() < 3.0, "{hic}");
+    let said = workbench::error(&droptower(&["clip", path, "--until", "-1"]));
+    assert!(said.contains("the record begins at 0 ms and ends at 100 ms, none of it before -1 ms"), "{said}");
 }
 
 #[test]
@@ -154,14 +143,14 @@ fn a_class_filters_first() {
         let path = folder.path().join(name);
         json(&[&["clip", path.to_str().expect("UTF-8"), "--json"], more].concat())
     };
-    let (clean, loud) = (number(&clip("clean.csv", &[]), "clip_g"), number(&clip("loud.csv", &[]), "clip_g"));
+    let (clean, loud) = (figure(&clip("clean.csv", &[]), "clip_g"), figure(&clip("loud.csv", &[]), "clip_g"));
     let filtered = clip("loud.csv", &["--class", "600"]);
-    assert_eq!(number(&filtered, "filter_class"), 600.0);
+    assert_eq!(figure(&filtered, "filter_class"), 600.0);
     assert_eq!(clip("loud.csv", &["--class", "CFC600"]), filtered);
     let other = clip("loud.csv", &["--class", "999"])["notes"].to_string();
     assert!(other.contains("CFC 999 is none of the standards' classes"), "{other}");
     assert!((loud / clean - 1.0).abs() > 0.02, "{loud} {clean}");
-    assert!((number(&filtered, "clip_g") / clean - 1.0).abs() < 2e-3, "{filtered} {clean}");
+    assert!((figure(&filtered, "clip_g") / clean - 1.0).abs() < 2e-3, "{filtered} {clean}");
 }
 
 /// `cargo bench --bench signal` measures how long this takes.

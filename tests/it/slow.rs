@@ -103,11 +103,8 @@ fn a_run_that_is_not_quasi_static_fails_and_is_stored() {
     let fast = ["loading.indent.velocity=10 m/s", "output.sample_rate=20 kHz"];
     let (output, signals, summary) = run(bench.path(), &fast);
     assert_eq!(output.status.code(), Some(3), "{}", standard_error_and_output(&output));
-    assert!(
-        standard_error_and_output(&output).contains("not quasi-static: at 0.00"),
-        "{}",
-        standard_error_and_output(&output)
-    );
+    let said = standard_error_and_output(&output);
+    assert!(said.contains("not quasi-static: at 0.00"), "{said}");
     assert!(signals.time.len() > 10 && figure(&summary, "kinetic_share") > 0.01);
     let cause = fs::read_to_string(bench.path().join("runs/slow.failed/failure.txt")).expect("a cause");
     assert!(cause.contains("load it more slowly"), "{cause}");
@@ -122,11 +119,8 @@ fn a_break_ends_the_test() {
     assert_eq!(output.status.code(), Some(0), "{}", standard_error_and_output(&output));
     assert_eq!(summary["ruptured"], true);
     assert_eq!(figure(&summary, "burst_pressure_Pa"), last(&signals, "pressure_Pa"));
-    assert!(
-        last(&signals, "pressure_Pa") < 5e3 && standard_error_and_output(&output).contains("burst pressure"),
-        "{}",
-        standard_error_and_output(&output)
-    );
+    let said = standard_error_and_output(&output);
+    assert!(last(&signals, "pressure_Pa") < 5e3 && said.contains("burst pressure"), "{said}");
 
     let film = "specimen.material.fabric={md={curve=[[0.02,'5 MPa'],[0.04,'6 MPa']]},td={curve=[[0.02,'5 MPa'],[2,'6 MPa']]},\
                 shear={curve=[[1,'5 MPa']]}}";

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::time::Duration;
 
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use crate::workbench::{self, await_of, close, command, droptower, error, figures, printed, refused, scene};
+use crate::workbench::{self, await_of, close, droptower, error, figures, printed, refused, scene, start};
 
 const VARIATION: &str = r#"
 [variation]
@@ -50,9 +50,8 @@ fn each_row_is_the_run_that_its_inputs_give() {
     assert!(["mean", "deviation", "p05", "p50", "p95"].iter().all(|name| median[name].is_f64()), "{median}");
     let rows = table(folder);
     let masses: Vec<f64> = rows.iter().map(|row| number(row, "impactor.mass_kg")).collect();
-    assert!(
-        [10.0, 11.0, 12.0].iter().all(|mass| (3..=5).contains(&masses.iter().filter(|found| *found == mass).count()))
-    );
+    let count = |mass: f64| masses.iter().filter(|found| **found == mass).count();
+    assert!([10.0, 11.0, 12.0].iter().all(|mass| (3..=5).contains(&count(*mass))));
     assert!(rows.iter().all(|row| number(row, "specimen.material.thickness_m") >= 10e-6));
     for row in [&rows[0], &rows[11]] {
         let change = |key: &str, column: &str| format!("{key}={}", row[column]);
@@ -78,21 +77,16 @@ fn each_row_is_the_run_that_its_inputs_give() {
     let page = fs::read_to_string(folder.join("runs/drop.sweep/report.html")).expect("a page");
     let repeat = "droptower run drop.toml <span class=\"option\">--set</span> &#39;impactor.mass=";
     assert!(page.contains(repeat), "the page says how a run is repeated");
-    assert!(
-        page.contains("<p class=\"lead\">Peak deceleration ")
-            && page.contains("of 12 runs 12 end before the lowest point"),
-        "no answer, or one that its runs do not give"
-    );
+    for words in ["<p class=\"lead\">Peak deceleration ", "of 12 runs 12 end before the lowest point"] {
+        assert!(page.contains(words), "no answer, or one that its runs do not give: {words}");
+    }
     let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("the page has no {what}"));
     assert!(place("<figure class=\"plot\">") < place("<table") && place("class=\"ranges\"") < place("<table"));
     assert!(page.contains("title=\"specimen.material.thickness\">Thickness of one layer (µm)</th>"));
     assert!(page.contains("not distinguishable from 0 with 12 runs") && !page.contains("class=\"said\">\u{2212}"));
     let text = printed(&sweep(folder, &[]));
-    assert!(
-        text.starts_with("  Peak deceleration ")
-            && found["answer"].as_str().is_some_and(|own| page.replace('\u{a0}', " ").contains(own)),
-        "{text}"
-    );
+    let is_shown = |own: &str| page.replace('\u{a0}', " ").contains(own);
+    assert!(text.starts_with("  Peak deceleration ") && found["answer"].as_str().is_some_and(is_shown), "{text}");
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains(" g 9 of 10 runs ") && words.contains(" mm "), "{text}");
 }
@@ -214,11 +208,6 @@ fn a_distribution_of_values_that_cannot_be_has_a_warning() {
     assert_eq!(refused(&workbench::summary(&scene.path().join("runs/drop.sweep"))["findings"]), found);
 }
 
-fn start(folder: &Path, more: &[&str]) -> Child {
-    let arguments = [&["sweep", "drop.toml"], more].concat();
-    command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
-}
-
 /// Files of the store of one build.
 fn stored(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     let pattern = folder.join("runs/.evaluations/*").join(pattern);
@@ -235,7 +224,8 @@ fn evaluations(folder: &Path) -> u64 {
 fn shares_of_processes_make_the_same_table_and_compute_nothing_twice() {
     let [alone, shared] = [scene(VARIATION), scene(VARIATION)];
     printed(&sweep(alone.path(), &["-n", "24"]));
-    let shares = ["1/3", "2/3", "3/3"].map(|share| start(shared.path(), &["-n", "24", "--json", "--shard", share]));
+    let shares = ["1/3", "2/3", "3/3"]
+        .map(|share| start(shared.path(), &["sweep", "drop.toml", "-n", "24", "--json", "--shard", share]));
     let outputs = shares.map(|share| share.wait_with_output().expect("it ends"));
     let computed: u64 = outputs.iter().map(|output| figures(output)["computed"].as_u64().expect("a count")).sum();
     assert_eq!(computed, 24);
@@ -252,7 +242,7 @@ fn a_sweep_that_was_killed_or_terminated_goes_on_from_there() {
     // One that ends before it is stopped, on a busy machine, is started over.
     let stopped = |signal: &str| loop {
         let scene = scene(VARIATION);
-        let mut child = start(scene.path(), &["-n", "100"]);
+        let mut child = start(scene.path(), &["sweep", "drop.toml", "-n", "100"]);
         let has_begun = await_of(&mut child, || evaluations(scene.path()) >= 3);
         let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).output();
         let (_, status) = (kill.expect("kill starts"), child.wait().expect("it ends"));
@@ -333,10 +323,8 @@ fn correlated_keys_and_tables_of_points() {
     fs::write(folder.join("again.toml"), again).expect("a scenario");
     let found = figures(&droptower(folder, &["sweep", "again.toml", "--json", "--set", "impactor.mass=\"10 kg\""]));
     assert_eq!(found["runs"], 16);
-    assert_eq!(
-        found["reused"].as_u64(),
-        Some(of("impactor.mass_kg").iter().filter(|mass| **mass == 10.0).count() as u64)
-    );
+    let same = of("impactor.mass_kg").iter().filter(|mass| **mass == 10.0).count();
+    assert_eq!(found["reused"], same);
 }
 
 #[test]
@@ -354,11 +342,8 @@ fn a_script_is_computed_by_several_processes() {
     let scene = scene("");
     let folder = scene.path();
     fs::write(folder.join("study.rhai"), SCRIPT).expect("a script");
-    let start = |share: &str| {
-        let arguments = ["script", "study.rhai", "--json", "--shard", share];
-        command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
-    };
-    let parts = ["1/2", "2/2"].map(start).map(|child| figures(&child.wait_with_output().expect("an end")));
+    let part = |share: &str| start(folder, &["script", "study.rhai", "--json", "--shard", share]);
+    let parts = ["1/2", "2/2"].map(part).map(|child| figures(&child.wait_with_output().expect("an end")));
     let computed: u64 = parts.iter().map(|part| part["computed"].as_u64().expect("a count")).sum();
     // Four runs and one that cannot start, to which both processes may come at the same moment.
     assert!((5..=6).contains(&computed), "{parts:?}");

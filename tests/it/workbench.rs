@@ -3,7 +3,7 @@
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,19 @@ pub fn command(folder: &Path, arguments: &[&str]) -> Command {
 /// What the program leaves when started in `folder`.
 pub fn droptower(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().expect("the binary starts")
+}
+
+/// Names in a folder, in alphabetical order.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())).flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The program at work in `folder`; what it prints is kept.
+pub fn start(folder: &Path, arguments: &[&str]) -> Child {
+    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary starts")
 }
 
 /// A folder with the template of a drop test in it.

@@ -21,11 +21,8 @@ fn energy_is_balanced_in_any_motion_and_where_bodies_meet() {
         let forces = outcome.signals.channels.iter().filter(|channel| channel.name.ends_with("contact_force_N"));
         let least = case.get("force").and_then(Value::as_float).unwrap_or(10.0);
         let pressed = forces.flat_map(|channel| &channel.values).fold(0.0_f64, |most, force| most.max(force.abs()));
-        claims.holds(
-            &format!("{name}, contact"),
-            &format!("largest force of the film {pressed:.1} N"),
-            pressed > least,
-        );
+        let claim = format!("{name}, contact");
+        claims.holds(&claim, &format!("largest force of the film {pressed:.1} N"), pressed > least);
         if let Some(least) = case.get("collision").and_then(Value::as_float) {
             let lost = last(&outcome.energies, "collision_J");
             claims.holds(&format!("{name}, they met"), &format!("{lost:.2} J lost in collisions"), lost > least);

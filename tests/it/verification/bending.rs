@@ -75,11 +75,8 @@ fn a_bent_strip_wrinkles_over_the_share_of_stein_and_hedgepeth() {
             let tension = 0.5 * YOUNG * THICKNESS * EDGE_STRAIN * HEIGHT * (1.0 - share);
             claims.near(&what("tension, N"), bent.tension, tension, 1e-2);
             claims.at_most(&what("3 M/(P h) − 1/2 off it"), (3.0 * bent.eccentricity() - 0.5 - share).abs(), 5e-3);
-            claims.at_most(
-                &what("rows without stress off it, rows"),
-                (bent.wrinkled - share).abs() * CELLS[1] as f64,
-                1.001,
-            );
+            let claim = what("rows without stress off it, rows");
+            claims.at_most(&claim, (bent.wrinkled - share).abs() * CELLS[1] as f64, 1.001);
         }
         // Without wrinkles the moment is that of the section's stiffness; film that carries compression has it always.
         let edge = Bent::new(sheet::wrinkling(YOUNG, POISSON), element, -1.0);

@@ -52,11 +52,8 @@ fn the_same_run_said_in_two_ways() {
         // The path of the hinge is a circle: its sagitta over 3e4 m is below 1e-6 of the depth.
         let bound = if name.starts_with("a hinge") { 1e-4 } else { 1e-9 };
         for column in ["displacement_m", "contact_force_N"] {
-            claims.at_most(
-                &format!("{name}, {column} off that of `guide = \"z\"`"),
-                off(column, [outcome, &reference]),
-                bound,
-            );
+            let claim = format!("{name}, {column} off that of `guide = \"z\"`");
+            claims.at_most(&claim, off(column, [outcome, &reference]), bound);
         }
     }
     // Elements meet the edges of a box one by one, and round-off decides when.
@@ -98,11 +95,8 @@ fn a_mesh_has_a_unit() {
         ("mm", fall(&shape("mm.obj", 80.0, "unit = \"mm\""))),
         ("half as large, scaled by two", fall(&shape("half.obj", 0.04, "scale = 2"))),
     ] {
-        claims.at_most(
-            &format!("octahedron, {name}, contact force off that in m"),
-            off("contact_force_N", [&other, &metres]),
-            1e-9,
-        );
+        let claim = format!("octahedron, {name}, contact force off that in m");
+        claims.at_most(&claim, off("contact_force_N", [&other, &metres]), 1e-9);
     }
 }
 

@@ -160,11 +160,8 @@ fn friction_dissipates_energy() {
         let lost = channel(&outcome.energies, "friction_J");
         let returned = lost.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
         let impact = 0.5 * 10.72 * 4.16 * 4.16;
-        claims.at_most(
-            &format!("friction {friction}, energy returned over that of the impact"),
-            returned / impact,
-            1e-9,
-        );
+        let claim = format!("friction {friction}, energy returned over that of the impact");
+        claims.at_most(&claim, returned / impact, 1e-9);
         losses.push(lost[lost.len() - 1] / impact);
     }
     claims.at_most("loss without friction", losses[0].abs(), 0.0);

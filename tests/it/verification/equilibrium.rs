@@ -97,12 +97,8 @@ fn film_sags_under_its_weight() {
             )));
             let relaxation = outcome.relaxation.expect("held film");
             let expected = sag(0.4, strain);
-            claims.near(
-                &format!("sag with pre-strain {strain}, {element}, m"),
-                relaxation.displacement,
-                expected,
-                5e-3,
-            );
+            let claim = format!("sag with pre-strain {strain}, {element}, m");
+            claims.near(&claim, relaxation.displacement, expected, 5e-3);
             claims.at_most(&format!("{element}, {strain}: residual"), relaxation.residual, 1e-6);
         }
     }
@@ -124,11 +120,8 @@ fn film_mounted_in_equilibrium_is_left_as_it_is() {
     };
     let [settled, mounted] = [true, false].map(whole);
     claims.holds("no steps", "", settled.relaxation.is_some_and(|relaxation| relaxation.steps == 0));
-    claims.at_most(
-        "residual of uniform pre-strain under its weight",
-        settled.relaxation.map_or(1.0, |r| r.mounted),
-        1e-3,
-    );
+    let claim = "residual of uniform pre-strain under its weight";
+    claims.at_most(claim, settled.relaxation.map_or(1.0, |r| r.mounted), 1e-3);
     claims.holds("the same bits", "", settled.signals == mounted.signals);
 }
 

@@ -160,11 +160,8 @@ fn a_clamp_slips_at_its_force_of_friction() {
         let work = if bars.is_empty() { work } else { 2.0 * bound * arc(slip[slip.len() - 1]) };
         claims.near(&format!("{with}, dissipated, J"), dissipated, work, 1e-2);
         let codes = codes(&outcome);
-        claims.holds(
-            &format!("{with}, findings"),
-            &format!("{codes:?} at {:.0} mm", 1e3 * depth[slips]),
-            codes == ["clamp-slip"],
-        );
+        let claim = format!("{with}, findings");
+        claims.holds(&claim, &format!("{codes:?} at {:.0} mm", 1e3 * depth[slips]), codes == ["clamp-slip"]);
     }
 }
 

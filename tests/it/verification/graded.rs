@@ -52,11 +52,8 @@ fn a_dart_ruptures_a_graded_film_as_one_that_is_fine_everywhere() {
     for (name, more, least_steps) in [("graded", "", 1.0), ("graded, mass added", scaled, 0.9)] {
         let model = dart(GRADED, more);
         let graded = run(&model);
-        claims.at_most(
-            &format!("{name}: element steps over those of the fine film"),
-            cost(&graded) / cost(&fine),
-            0.25,
-        );
+        let claim = format!("{name}: element steps over those of the fine film");
+        claims.at_most(&claim, cost(&graded) / cost(&fine), 0.25);
         for ((what, found), wanted) in
             ["time, s", "travel, m", "peak force, N"].into_iter().zip(rupture(&graded)).zip(wanted)
         {

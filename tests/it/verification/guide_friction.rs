@@ -51,11 +51,8 @@ fn a_guide_takes_its_force_over_the_path() {
         let impact = measured(&model, &outcome);
         let [all, film] =
             [impact.first().energy_absorption, impact.first().film_energy_absorption].map(|d| d.expect("a rebound"));
-        claims.holds(
-            "absorption with guide, of the film",
-            &format!("{all:.4}, {film:.4}"),
-            film.abs() < 0.05 && all > film + 0.02,
-        );
+        let claim = "absorption with guide, of the film";
+        claims.holds(claim, &format!("{all:.4}, {film:.4}"), film.abs() < 0.05 && all > film + 0.02);
     }
     assert!(channel(&free.energies, "guide_J").iter().all(|energy| *energy == 0.0));
 }

@@ -113,10 +113,7 @@ fn drops_on_film_that_warms_up_balance() {
         claims.at_most(&format!("{name}, energy balance error"), warm.energy_balance_error, 2e-3);
         let [soft, hard] = [&warm, cold].map(peak);
         // 6 %/K and 2 K or more.
-        claims.at_most(
-            &format!("{name}, peak over that of the same film that keeps its temperature"),
-            soft / hard,
-            0.9,
-        );
+        let claim = format!("{name}, peak over that of the same film that keeps its temperature");
+        claims.at_most(&claim, soft / hard, 0.9);
     }
 }

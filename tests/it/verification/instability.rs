@@ -105,11 +105,8 @@ fn a_strip_localises_beyond_swifts_strain_and_says_so() {
             claims.near(&format!("n {n}, engineering strain at the largest force"), strain[top], even, 0.1);
             claims.at_most(&format!("n {n}, Swift's strain over the mean one at the finding"), swift / strain[at], 1.0);
             let longer = (strain[at] - strain[top]) * length / width;
-            claims.at_most(
-                &format!("n {n}, elongation from the largest force to the finding, over the width"),
-                longer,
-                2.0,
-            );
+            let claim = format!("n {n}, elongation from the largest force to the finding, over the width");
+            claims.at_most(&claim, longer, 2.0);
             claims.at_most(&format!("n {n}, Swift's strain over that of the element"), swift / largest, 0.5);
             claims.at_most(&format!("n {n}, force at the finding over the largest"), stress[at] / stress[top], 0.9);
             claims.at_most(&format!("n {n}, energy balance error"), outcome.energy_balance_error, 1e-3);

@@ -152,11 +152,8 @@ fn inner_nodes_relax_to_the_uniform_stretch() {
             nodes.hold((0..16).filter(|n| !INNER.contains(n)), [true; 3]);
             let (rest, _) = relaxed(film, nodes, 2e4, 0.02);
             let off = largest(INNER.map(|n| Vector3::from(rest[n]) - Vector3::from(uniform[n]))) / SIDE;
-            claims.at_most(
-                &format!("{shape}, {element:?}, inner nodes off the uniform field over the side"),
-                off,
-                1e-9,
-            );
+            let claim = format!("{shape}, {element:?}, inner nodes off the uniform field over the side");
+            claims.at_most(&claim, off, 1e-9);
         }
     }
 }

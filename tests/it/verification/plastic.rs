@@ -120,11 +120,8 @@ fn a_free_strip_follows_the_cycle_in_every_direction() {
             let [stress, _] = strip.pulled(*along);
             (found * along.exp() - stress).abs() / 8e6
         });
-        claims.at_most(
-            &format!("{name}, stress off the closed form, over the yield stress"),
-            off.fold(0.0, f64::max),
-            1e-7,
-        );
+        let claim = format!("{name}, stress off the closed form, over the yield stress");
+        claims.at_most(&claim, off.fold(0.0, f64::max), 1e-7);
     }
 }
 
@@ -240,11 +237,8 @@ fn an_element_of_aluminium_follows_the_recordings() {
     let coupons = ["MD", "TD"].map(|direction| (direction, aluminium(direction)));
     let flowing = || strains.into_iter().filter(|strain| *strain >= 0.006);
     let scatter = coupons.iter().flat_map(|(_, own)| flowing().map(|strain| mean(own, strain)[1])).fold(0.0, f64::max);
-    claims.holds(
-        "coupons of one direction",
-        &format!("differ by up to {scatter:.3}"),
-        (0.03..0.064).contains(&scatter),
-    );
+    let claim = "coupons of one direction";
+    claims.holds(claim, &format!("differ by up to {scatter:.3}"), (0.03..0.064).contains(&scatter));
     for (form, hardening) in ALUMINIUM {
         let keys = format!(
             "young = \"68969.7 MPa\", poisson = 0.33, hill = {{ r11 = 1, r22 = 0.951145, r33 = 0.942851, r12 = 1 }},

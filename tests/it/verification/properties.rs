@@ -109,14 +109,10 @@ impl Setup {
         let of = |value: f64, unit: f64| format!("{:e}", value * unit);
         let law = match &self.law {
             Law::Elastic { young, poisson, wrinkling } => {
-                format!(
-                    "elastic = {{ young = {}, poisson = {poisson}, wrinkling = {wrinkling} }}",
-                    of(*young, pressure)
-                )
+                let young = of(*young, pressure);
+                format!("elastic = {{ young = {young}, poisson = {poisson}, wrinkling = {wrinkling} }}")
             }
-            Law::NeoHookean { mu } => {
-                format!("hyperelastic = {{ law = \"neo-hookean\", mu = {} }}", of(*mu, pressure))
-            }
+            Law::NeoHookean { mu } => format!("hyperelastic = {{ law = \"neo-hookean\", mu = {} }}", of(*mu, pressure)),
             Law::Gent { mu, jm } => {
                 format!("hyperelastic = {{ law = \"gent\", mu = {}, jm = {jm} }}", of(*mu, pressure))
             }
@@ -124,12 +120,8 @@ impl Setup {
                 let curve = |[first, last]: [f64; 2]| {
                     format!("{{ curve = [[0.1, {}], [2.0, {}]] }}", of(first, pressure), of(first + last, pressure))
                 };
-                format!(
-                    "fabric = {{ md = {}, td = {}, shear = {{ curve = [[2.0, {}]] }} }}",
-                    curve(*md),
-                    curve(*td),
-                    of(*shear, pressure)
-                )
+                let (md, td, shear) = (curve(*md), curve(*td), of(*shear, pressure));
+                format!("fabric = {{ md = {md}, td = {td}, shear = {{ curve = [[2.0, {shear}]] }} }}")
             }
         };
         let (shape, side) = match self.shape {
@@ -156,24 +148,20 @@ impl Setup {
                 self.film_contact,
             ),
             Loading::Stretch { speed: v, until } => {
-                let direction = if self.turns.is_multiple_of(2) { "MD" } else { "TD" };
-                let text = format!(
-                    "[loading.stretch]\ndirection = \"{direction}\"\nvelocity = {}\nuntil = {until}\n",
-                    of(*v, speed)
-                );
-                (text, false)
+                let (direction, v) = (if self.turns.is_multiple_of(2) { "MD" } else { "TD" }, of(*v, speed));
+                (format!("[loading.stretch]\ndirection = \"{direction}\"\nvelocity = {v}\nuntil = {until}\n"), false)
             }
             Loading::Pressure { pressure: p, ramp } => {
                 (format!("[loading.pressure]\npressure = {}\nramp = {}\n", of(*p, pressure), of(*ramp, time)), false)
             }
         };
-        let mounted = match self.loading {
-            Loading::Stretch { .. } => String::new(),
-            _ => format!("prestrain = {{ md = {}, td = {} }}\n", self.prestrain[0], self.prestrain[1]),
-        };
-        let angle = match self.loading {
-            Loading::Stretch { .. } => String::new(),
-            _ => format!("md_angle = \"{} deg\"\n", 90 * self.turns),
+        let [md, td] = self.prestrain;
+        let (mounted, angle) = match self.loading {
+            Loading::Stretch { .. } => Default::default(),
+            _ => (
+                format!("prestrain = {{ md = {md}, td = {td} }}\n"),
+                format!("md_angle = \"{} deg\"\n", 90 * self.turns),
+            ),
         };
         let damping = match self.loading {
             Loading::Impact { .. } => format!("damping = {}\n", of(self.damping, rate)),
@@ -206,19 +194,13 @@ impl fmt::Debug for Setup {
 
 fn law() -> impl Strategy<Value = Law> {
     let stress = || 1e6..3e7;
+    let elastic = |(young, poisson, wrinkling)| Law::Elastic { young, poisson, wrinkling };
+    let fabric = |(md, td, shear)| Law::Fabric { md, td, shear };
     prop_oneof![
-        (1e7..1e9, 0.0..0.45, any::<bool>()).prop_map(|(young, poisson, wrinkling)| Law::Elastic {
-            young,
-            poisson,
-            wrinkling
-        }),
+        (1e7..1e9, 0.0..0.45, any::<bool>()).prop_map(elastic),
         (2e5..5e6).prop_map(|mu| Law::NeoHookean { mu }),
         (2e5..5e6, 20.0..100.0).prop_map(|(mu, jm)| Law::Gent { mu, jm }),
-        ([stress(), stress()], [stress(), stress()], stress()).prop_map(|(md, td, shear)| Law::Fabric {
-            md,
-            td,
-            shear
-        }),
+        ([stress(), stress()], [stress(), stress()], stress()).prop_map(fabric),
     ]
 }
 

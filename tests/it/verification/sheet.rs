@@ -123,17 +123,14 @@ pub fn rubbers(wrinkling: bool) -> [(&'static str, Material); 6] {
     let polynomial = |energy| hyperelastic(HyperelasticLaw::Polynomial(Hyperelastic { energy, wrinkling }));
     let ogden = Ogden::new(&Ogden::TRELOAR);
     let gent = Gent { mu: 4e5, jm: 97.2 };
-    let compressible = CompressibleNeoHookean { young: 1e6, poisson: 0.3 };
+    let compressible = Hyperelastic { energy: CompressibleNeoHookean { young: 1e6, poisson: 0.3 }, wrinkling };
     [
         ("neo-Hookean", polynomial(Polynomial::neo_hookean(4e5))),
         ("Mooney–Rivlin", polynomial(Polynomial::mooney_rivlin(1.6e5, 4e4))),
         ("Yeoh", polynomial(Polynomial::yeoh([0.18e6, -0.002e6, 0.000_05e6]))),
         ("Gent", hyperelastic(HyperelasticLaw::Gent(Hyperelastic { energy: gent, wrinkling }))),
         ("Ogden", hyperelastic(HyperelasticLaw::Ogden(Hyperelastic { energy: ogden, wrinkling }))),
-        (
-            "compressible neo-Hookean",
-            hyperelastic(HyperelasticLaw::CompressibleNeoHookean(Hyperelastic { energy: compressible, wrinkling })),
-        ),
+        ("compressible neo-Hookean", hyperelastic(HyperelasticLaw::CompressibleNeoHookean(compressible))),
     ]
 }
 

@@ -75,12 +75,8 @@ fn a_strip_between_springs_is_in_equilibrium_under_a_shaft() {
             2.0 * COUNT * pull * angle.sin()
         };
         let expected: f64 = depth[half..].iter().map(of_shaft).sum();
-        claims.near(
-            &format!("{what}: force of the shaft over its second half, N"),
-            force[half..].iter().sum(),
-            expected,
-            1e-2,
-        );
+        let claim = format!("{what}: force of the shaft over its second half, N");
+        claims.near(&claim, force[half..].iter().sum(), expected, 1e-2);
         for share in [0.6, 1.0] {
             let k = (share * (depth.len() - 1) as f64) as usize;
             let (pull, elongated, angle) = at(depth[k]);
