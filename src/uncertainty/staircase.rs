@@ -519,14 +519,10 @@ mod tests {
                 }
             }
             let (scatter, error) = (deviation(&means).unwrap(), mean(&means).unwrap() - 100.0);
-            println!(
-                "{count} of either: mean off by {error:.2}, scatter {scatter:.2}, deviation {:.2} in {} of {tests}; 95 % \
-             intervals covered {covered} of {intervals}; probit: mean off by {:.2}, covered {profiles}, deviation \
-             {bounded} of {fits}",
-                mean(&deviations).unwrap(),
-                deviations.len(),
-                mean(&likely).unwrap() - 100.0
-            );
+            let (found, by_probit) = (mean(&deviations).unwrap(), mean(&likely).unwrap() - 100.0);
+            print!("{count} of either: mean off by {error:.2}, scatter {scatter:.2}, deviation {found:.2}");
+            print!(" in {} of {tests}; 95 % intervals covered {covered} of {intervals}; probit:", deviations.len());
+            println!(" mean off by {by_probit:.2}, covered {profiles}, deviation {bounded} of {fits}");
             // The start above the mean shifts short tests a little.
             assert!(error.abs() < 0.6 + 3.0 * scatter / (tests as f64).sqrt(), "{error}");
             // Profile intervals of tests that have a fit, the standard error of the share allowed for.
@@ -564,11 +560,8 @@ mod tests {
             assert!(reduced.is_none() || fit.is_some(), "{outcomes:?}");
         }
         let (given, large) = (deviations.len() as u64, mean(&deviations).unwrap() / 10.0 - 1.0);
-        println!(
-            "steps of 1.6 deviations: Dixon and Mood's deviation in {given} of {studies}, {:.1} % too large; probit in {fits}, \
-         mean covered {levels}, deviation {bounded}, {of_those} of the {given}",
-            100.0 * large
-        );
+        print!("steps of 1.6 deviations: Dixon and Mood's in {given} of {studies}, {:.1} % too large;", 100.0 * large);
+        println!(" probit in {fits}, mean covered {levels}, deviation {bounded}, {of_those} of the {given}");
         // The defect of the formula, beyond three standard errors: where it gives a deviation, that is large.
         assert!((0.35..0.5).contains(&(given as f64 / studies as f64)), "{given} of {studies}");
         let error = 0.1 * deviation(&deviations).unwrap() / (given as f64).sqrt();

@@ -234,10 +234,8 @@ mod tests {
             let missed = (1..400).map(|step| missed_above(f64::from(step) / 4000.0)).fold(0.0, f64::max);
             assert!(missed < 0.027, "{missed}");
             let (average, least) = (mean(&all).unwrap(), all.iter().copied().fold(1.0, f64::min));
-            println!(
-                "{trials} trials: coverage {average:.4} on average, {least:.3} at least; up to 0.1 the upper end is \
-                 exceeded in {missed:.4} at most"
-            );
+            print!("{trials} trials: coverage {average:.4} on average, {least:.3} at least;");
+            println!(" up to 0.1 the upper end is exceeded in {missed:.4} at most");
             assert!((average - 0.95).abs() < 0.005 && least > 0.83, "{average} {least}");
         }
     }
