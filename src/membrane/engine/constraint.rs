@@ -160,9 +160,13 @@ pub(super) struct WeightedNodes {
 }
 
 impl WeightedNodes {
-    /// `of` some nodes, with `weights`.
+    /// `of` some nodes, with `weights`. A triangle repeats its last node.
     #[inline]
-    pub(super) fn new(of: [u32; 4], weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
+    pub(super) fn new(of: [u32; 4], mut weights: [f64; 4], nodes: &Nodes) -> WeightedNodes {
+        if of[2] == of[3] {
+            // One node with both weights, of which the square is not the sum of two.
+            weights[2] += std::mem::take(&mut weights[3]);
+        }
         let (mut response, mut inverse_mass) = ([0.0; 4], [0.0; 3]);
         let (mut held, mut count) = (0, 0);
         for k in 0..4 {
@@ -256,5 +260,30 @@ impl Points<Vectors> for WeightedNodes {
     #[inline(always)]
     fn apply(&self, impulse: &Vector3<f64>, velocity: &mut Vectors) {
         WeightedNodes::apply(self, impulse, velocity);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of the corners, of which a triangle repeats the last, has 1/4 of two nodes and 1/2 of that one. Its effective mass
+    /// is 1/(Σ w²/m), and an impulse changes its velocity by that.
+    #[test]
+    fn a_point_of_a_triangle_has_the_mass_of_the_closed_form() {
+        let mut nodes = Nodes::default();
+        nodes.extend([[0.0; 3]; 3], &[2.0, 3.0, 0.5]);
+        let mut point = WeightedNodes::new([0, 1, 2, 2], [0.25; 4], &nodes);
+        let expected = 0.0625 / 2.0 + 0.0625 / 3.0 + 0.25 / 0.5;
+        assert!((point.inverse_free_mass() - expected).abs() < 1e-15, "{} for {expected}", point.inverse_free_mass());
+        let impulse = Vector3::new(1.0, -2.0, 0.5);
+        point.apply(&impulse, &mut nodes.velocity);
+        assert!((point.sum(&nodes.velocity) - impulse * expected).norm() < 1e-15);
+        assert!((point.response(&impulse) - impulse * expected).norm() < 1e-15);
+        // Held along an axis, none of it moves there by its last node.
+        nodes.hold([2], [true, false, false]);
+        point = WeightedNodes::new([0, 1, 2, 2], [0.25; 4], &nodes);
+        let across = point.response(&Vector3::x()).x;
+        assert!((across - (expected - 0.25 / 0.5)).abs() < 1e-15, "{across}");
     }
 }
