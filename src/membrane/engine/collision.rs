@@ -133,7 +133,7 @@ impl Collisions {
         // Summed impulses times the mean of the velocities before and after the step: exact, whatever the sweeps did in
         // between.
         let mut losses = [0.0; 2];
-        for Collision { contact, .. } in &self.points {
+        for contact in self.points.iter().map(|point| &point.contact).filter(|contact| contact.is_active()) {
             let [behind, ahead] = [contact.points.velocity_of(|k| &before[k]), contact.points.velocity(impacts)];
             losses[0] -= contact.half_work(&behind).iter().sum::<f64>();
             losses[1] -= contact.half_work(&ahead).iter().sum::<f64>();

@@ -135,12 +135,15 @@ impl<P> Constraint<P> {
     pub(super) fn half_work(&self, velocity: &Vector3<f64>) -> [f64; 2] {
         [0.5 * self.pressing * velocity.dot(&self.normal), 0.5 * self.dragging.dot(velocity)]
     }
+}
 
-    /// Takes the part of the impulse by which nodes have not been moved yet, N s.
+impl<P: AsRef<WeightedNodes>> Constraint<P> {
+    /// Moves the nodes of film by what the impulse has changed since the last call, over `dt` (s).
     #[inline]
-    pub(super) fn take_unmoved(&mut self) -> Vector3<f64> {
+    pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
         let impulse = self.impulse();
-        impulse - std::mem::replace(&mut self.moved, impulse)
+        let unmoved = impulse - std::mem::replace(&mut self.moved, impulse);
+        self.points.as_ref().apply(&(unmoved * dt), position);
     }
 }
 
@@ -150,7 +153,7 @@ pub(super) struct WeightedNodes {
     pub(super) nodes: [u32; 4],
     pub(super) weights: [f64; 4],
     /// Velocity of each node per impulse on the sum along a free direction, 1/kg: weight over mass, zero where all are held.
-    response: [f64; 4],
+    yields: [f64; 4],
     /// Velocity of the sum per impulse along each axis, 1/kg.
     inverse_mass: [f64; 3],
     /// Axes along which a node is held, three bits a node.
@@ -167,11 +170,11 @@ impl WeightedNodes {
             // One node with both weights, of which the square is not the sum of two.
             weights[2] += std::mem::take(&mut weights[3]);
         }
-        let (mut response, mut inverse_mass) = ([0.0; 4], [0.0; 3]);
+        let (mut yields, mut inverse_mass) = ([0.0; 4], [0.0; 3]);
         let (mut held, mut count) = (0, 0);
         for k in 0..4 {
             let free = nodes.effective_inverse_mass().value_at(of[k] as usize);
-            response[k] = free[0].max(free[1]).max(free[2]) * weights[k];
+            yields[k] = free[0].max(free[1]).max(free[2]) * weights[k];
             for axis in 0..3 {
                 inverse_mass[axis] += weights[k] * weights[k] * free[axis];
                 held |= u16::from(free[axis] == 0.0) << (3 * k + axis);
@@ -180,7 +183,7 @@ impl WeightedNodes {
                 count = k as u8 + 1;
             }
         }
-        WeightedNodes { nodes: of, weights, response, inverse_mass, held, count }
+        WeightedNodes { nodes: of, weights, yields, inverse_mass, held, count }
     }
 
     /// One node.
@@ -215,7 +218,7 @@ impl WeightedNodes {
     pub(super) fn inverse_free_mass(&self) -> f64 {
         let mut sum = 0.0;
         for k in 0..4 {
-            sum += self.response[k] * self.weights[k];
+            sum += self.yields[k] * self.weights[k];
         }
         sum
     }
@@ -225,8 +228,8 @@ impl WeightedNodes {
     #[inline(always)]
     pub(super) fn apply(&self, impulse: &Vector3<f64>, to: &mut Vectors) {
         for k in 0..usize::from(self.count) {
-            let (response, held) = (self.response[k], self.held >> (3 * k));
-            let mut change = [response * impulse.x, response * impulse.y, response * impulse.z];
+            let (yields, held) = (self.yields[k], self.held >> (3 * k));
+            let mut change = [yields * impulse.x, yields * impulse.y, yields * impulse.z];
             // Seldom any: film is held at the frame and on mirror planes.
             if held & 0b111 != 0 {
                 for axis in 0..3 {
@@ -237,6 +240,12 @@ impl WeightedNodes {
             }
             to.add(self.nodes[k] as usize, change);
         }
+    }
+}
+
+impl AsRef<WeightedNodes> for WeightedNodes {
+    fn as_ref(&self) -> &WeightedNodes {
+        self
     }
 }
 

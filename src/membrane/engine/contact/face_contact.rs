@@ -76,6 +76,12 @@ impl FilmOnBody {
     }
 }
 
+impl AsRef<WeightedNodes> for FilmOnBody {
+    fn as_ref(&self) -> &WeightedNodes {
+        &self.film
+    }
+}
+
 impl Response for FilmOnBody {
     #[inline(always)]
     fn response(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
@@ -241,8 +247,7 @@ impl Contact {
             // Positions follow only here: the sweeps need velocities alone, and `extend` looks for pairs at the new
             // positions.
             for constraint in constraints.iter_mut() {
-                let impulse = constraint.take_unmoved();
-                constraint.points.film.apply(&(impulse * dt), &mut step.nodes.position);
+                constraint.move_nodes(&mut step.nodes.position, dt);
             }
             let Some(between) = &mut between else { break };
             if !between.extend(step.nodes, dt, pool) {

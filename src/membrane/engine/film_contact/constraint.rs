@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::self_contact::Parts;
 use super::surface::{Surface, are_below};
 use crate::engine::constraint::{Constraint, Response, WeightedNodes};
-use crate::engine::nodes::{Nodes, Vectors};
+use crate::engine::nodes::Nodes;
 
 /// Node or crossing that a constraint belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -119,13 +119,6 @@ impl FilmConstraint {
         let missing = bound - before;
         contact.target = if missing > 0.0 { RECOVERY * missing / dt } else { missing / dt };
         Ok(FilmConstraint { source, contact, bound })
-    }
-
-    /// Moves the nodes by the change of the impulse since the last call.
-    #[inline]
-    pub(super) fn move_nodes(&mut self, position: &mut Vectors, dt: f64) {
-        let impulse = self.contact.take_unmoved();
-        self.contact.points.apply(&(impulse * dt), position);
     }
 
     /// Impulse that the next step starts from.

@@ -78,7 +78,7 @@ impl FilmContact {
                 // simply kept.
                 let constraint = &mut self.constraints[k];
                 constraint.contact.start_from(carried.pressing, &carried.dragging.into(), &mut nodes.velocity);
-                constraint.move_nodes(&mut nodes.position, dt);
+                constraint.contact.move_nodes(&mut nodes.position, dt);
             }
         }
         self.mark_carried(|_| NONE);
@@ -127,7 +127,7 @@ impl FilmContact {
     /// Moves the nodes by the impulses so far. Where they have moved by these and by other contacts farther than the
     /// detection allows for, adds what has come too close, and returns true.
     pub(in crate::engine) fn extend(&mut self, nodes: &mut Nodes, dt: f64, pool: &ThreadPool) -> bool {
-        self.constraints.iter_mut().for_each(|constraint| constraint.move_nodes(&mut nodes.position, dt));
+        self.constraints.iter_mut().for_each(|constraint| constraint.contact.move_nodes(&mut nodes.position, dt));
         let motion = self.motion(&nodes.position, pool.width());
         self.history.pushed = self.history.pushed.max(motion);
         // Both films may have moved by that.
@@ -201,7 +201,7 @@ impl FilmContact {
         self.history.carried.clear();
         for constraint in &mut self.constraints {
             // What the last sweep changed since `extend`.
-            constraint.move_nodes(position, dt);
+            constraint.contact.move_nodes(position, dt);
             let FilmConstraint { contact, .. } = &*constraint;
             if !contact.is_active() {
                 continue;
