@@ -327,6 +327,32 @@ fn held_elements_push_the_body_alone() {
     }
 }
 
+/// Sum along z of the forces on film from which its elements start the next step, N.
+fn remembered(engine: &Engine) -> f64 {
+    engine.impacts[0].contact.neighbours.followed.iter().flatten().map(|point| point.force[2]).sum()
+}
+
+/// Film bears the weight of a box, and nothing once the box is gone.
+#[test]
+fn remembered_forces_are_those_of_the_last_step() {
+    let drop = Drop { cells: 10, velocity: 0.0, mass: 2.0, ..Drop::new(cuboid("box", [0.1, 0.08, 0.12], 0.0)) };
+    let mut engine = drop.engine();
+    engine.loads.gravity = 9.81;
+    let all = 0..engine.nodes.mass.len();
+    engine.nodes.hold(all, [true; 3]);
+    while engine.time() < 0.01 {
+        engine.step(&mut Unobserved).unwrap();
+    }
+    let weight = 2.0 * 9.81;
+    let force = remembered(&engine);
+    assert!((force + weight).abs() < 1e-3 * weight, "{force} N for {weight}");
+    engine.impacts[0].body.velocity.z = 1.0;
+    while engine.impacts[0].body.pose.translation.z < 0.065 {
+        engine.step(&mut Unobserved).unwrap();
+    }
+    assert_eq!(remembered(&engine), 0.0);
+}
+
 fn plain(name: &'static str, surface: Surface) -> Body {
     Body { name, surface, core: SharedShape::ball(1.0), place: Pose::IDENTITY, edge: 0.0 }
 }

@@ -143,16 +143,16 @@ impl Contact {
         let mut constraints = std::mem::take(&mut self.constraints);
         let mut faces = std::mem::take(&mut self.faces);
         self.find_faces(step, &mut followed, &mut faces);
-        if !faces.is_empty() || between.is_some() {
-            let kept = self.couple_nodes(step, &faces, between.is_some(), &mut constraints);
-            constraints.append(&mut faces);
-            if self.sweep(step, pool, between, &mut followed, &mut constraints) {
-                // An impulse that a neighbour took over entirely has neither work nor a node in contact.
-                let active = constraints.drain(..).filter(Constraint::is_active);
-                self.replace_impulses(step.nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
-            }
-            constraints.clear();
+        let is_coupled = !faces.is_empty() || between.is_some();
+        let kept =
+            if is_coupled { self.couple_nodes(step, &faces, between.is_some(), &mut constraints) } else { vec![] };
+        constraints.append(&mut faces);
+        if self.sweep(step, pool, between, &mut followed, &mut constraints) {
+            // An impulse that a neighbour took over entirely has neither work nor a node in contact.
+            let active = constraints.drain(..).filter(Constraint::is_active);
+            self.replace_impulses(step.nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
         }
+        constraints.clear();
         self.neighbours.followed = followed;
         (self.constraints, self.faces) = (constraints, faces);
     }
@@ -199,9 +199,6 @@ impl Contact {
         // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
         // surface, before `begin` changes any.
         let films_meet = between.as_mut().is_some_and(|between| between.begin(step.nodes, dt, pool));
-        if !has_faces && !films_meet {
-            return false;
-        }
         // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
         for constraint in constraints.iter_mut() {
             if let Some([place, side]) = constraint.points.source
@@ -214,6 +211,9 @@ impl Contact {
         // Points without a constraint in this step must not start from an old force in a later one.
         for place in self.neighbours.pushed.drain(..) {
             followed[place as usize].iter_mut().for_each(|point| point.force = [0.0; 3]);
+        }
+        if !has_faces && !films_meet {
+            return false;
         }
         if let Some(between) = &between {
             self.add_near_constraints(constraints, between.detected_within(), step);
