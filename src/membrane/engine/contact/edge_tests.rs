@@ -332,21 +332,25 @@ fn remembered(engine: &Engine) -> f64 {
     engine.impacts[0].contact.neighbours.followed.iter().flatten().map(|point| point.force[2]).sum()
 }
 
-/// Film bears the weight of a box, and nothing once the box is gone.
+/// Film bears the weight of a box and of a ball on it, which take several sweeps of a step, and nothing once the box is gone.
 #[test]
 fn remembered_forces_are_those_of_the_last_step() {
     let drop = Drop { cells: 10, velocity: 0.0, mass: 2.0, ..Drop::new(cuboid("box", [0.1, 0.08, 0.12], 0.0)) };
     let mut engine = drop.engine();
     engine.loads.gravity = 9.81;
+    let (ball, film) = (Surface::sphere(0.03).unwrap(), vec![0.5 * THICKNESS; engine.nodes.mass.len()]);
+    let pose = Isometry3::translation(0.003, -0.0017, 0.15 + 0.5 * THICKNESS);
+    let ball = Impact::new(RigidBody::guided(pose, 0.0, 0.5), Contact::new(ball, 0.0, 1.0, film));
+    engine.impacts = engine.impacts.into_iter().chain([ball]).map(Impact::beside_others).collect();
     let all = 0..engine.nodes.mass.len();
     engine.nodes.hold(all, [true; 3]);
     while engine.time() < 0.01 {
         engine.step(&mut Unobserved).unwrap();
     }
-    let weight = 2.0 * 9.81;
+    let weight = 2.5 * 9.81;
     let force = remembered(&engine);
     assert!((force + weight).abs() < 1e-3 * weight, "{force} N for {weight}");
-    engine.impacts[0].body.velocity.z = 1.0;
+    engine.impacts.iter_mut().for_each(|impact| impact.body.velocity.z = 1.0);
     while engine.impacts[0].body.pose.translation.z < 0.065 {
         engine.step(&mut Unobserved).unwrap();
     }

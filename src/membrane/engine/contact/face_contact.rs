@@ -123,7 +123,8 @@ impl Constraint<FilmOnBody> {
 
 impl Contact {
     /// Limits the penetration of every candidate element to [`FACE_PENETRATION`]: Gauss–Seidel sweeps over the
-    /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6).
+    /// constraints at the deepest point of each, at the nodes in contact, and `between` faces (theory.md, section 6). Several
+    /// bodies take several sweeps of a step, the first of which starts from the forces of the last step.
     pub(super) fn resolve_faces(
         &mut self,
         nodes: &mut Nodes,
@@ -131,6 +132,7 @@ impl Contact {
         dt: f64,
         pool: &ThreadPool,
         between: Option<&mut FilmContact>,
+        is_first: bool,
     ) {
         // The node contacts have been solved already; without anything between nodes that solution is final.
         if between.is_none() && self.neighbours.face_candidates.is_empty() {
@@ -147,7 +149,7 @@ impl Contact {
         let kept =
             if is_coupled { self.couple_nodes(step, &faces, between.is_some(), &mut constraints) } else { vec![] };
         constraints.append(&mut faces);
-        if self.sweep(step, pool, between, &mut followed, &mut constraints) {
+        if self.sweep(step, pool, between, &mut followed, &mut constraints, is_first) {
             // An impulse that a neighbour took over entirely has neither work nor a node in contact.
             let active = constraints.drain(..).filter(Constraint::is_active);
             self.replace_impulses(step.nodes, kept.into_iter().chain(active.flat_map(Constraint::impulses)));
@@ -193,24 +195,27 @@ impl Contact {
         mut between: Option<&mut FilmContact>,
         followed: &mut [Followed],
         constraints: &mut Vec<Constraint<FilmOnBody>>,
+        is_first: bool,
     ) -> bool {
         let (dt, friction) = (step.dt, self.friction);
         let has_faces = constraints.last().is_some_and(|last| last.points.source.is_some());
         // After the node constraints: their targets are the velocities with which the corrector put nodes onto the
         // surface, before `begin` changes any.
         let films_meet = between.as_mut().is_some_and(|between| between.begin(step.nodes, dt, pool));
-        // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
-        for constraint in constraints.iter_mut() {
-            if let Some([place, side]) = constraint.points.source
-                && let Some(points) = followed.get(place)
-            {
-                let impulse = Vector3::from(points[side].force) * dt;
-                constraint.start_from(impulse.dot(&constraint.normal), &impulse, step);
+        if is_first {
+            // Warm start by the force of the last step: unlike its impulse it does not depend on the step's length.
+            for constraint in constraints.iter_mut() {
+                if let Some([place, side]) = constraint.points.source
+                    && let Some(points) = followed.get(place)
+                {
+                    let impulse = Vector3::from(points[side].force) * dt;
+                    constraint.start_from(impulse.dot(&constraint.normal), &impulse, step);
+                }
             }
-        }
-        // Points without a constraint in this step must not start from an old force in a later one.
-        for place in self.neighbours.pushed.drain(..) {
-            followed[place as usize].iter_mut().for_each(|point| point.force = [0.0; 3]);
+            // Points without a constraint in this step must not start from an old force in a later one.
+            for place in self.neighbours.pushed.drain(..) {
+                followed[place as usize].iter_mut().for_each(|point| point.force = [0.0; 3]);
+            }
         }
         if !has_faces && !films_meet {
             return false;
@@ -259,7 +264,8 @@ impl Contact {
             if let Some([place, side]) = constraint.points.source
                 && let Some(points) = followed.get_mut(place)
             {
-                points[side].force = (constraint.impulse() / dt).into();
+                // That of all sweeps of the step.
+                points[side].force = (Vector3::from(points[side].force) + constraint.impulse() / dt).into();
                 self.neighbours.pushed.push(place as u32);
             }
         }

@@ -254,7 +254,7 @@ impl Contact {
             self.guide_impulse = guide;
             self.swept.iter_mut().for_each(Vec::clear);
         }
-        self.resolve_faces(nodes, body, dt, pool, between);
+        self.resolve_faces(nodes, body, dt, pool, between, before.is_some());
         // Later sweeps change velocities, so work is summed in `account` with those at the end of the step.
         if let Some(swept) = &mut self.swept {
             self.contacts.iter_mut().for_each(|contacts| swept.append(&mut contacts.impulses));
