@@ -269,3 +269,36 @@ impl Engine {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Point3};
+
+    use crate::engine::{Contact, Engine, Film, Impact, Loads, Mesh, Nodes, RigidBody, Section, Surface, Unobserved};
+    use crate::material::{Elastic, Law};
+
+    /// Two balls press on the node of film between them until they have one velocity, with the momentum of both.
+    #[test]
+    fn bodies_press_on_each_other_through_a_node() {
+        const THICKNESS: f64 = 1e-4;
+        let corners = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mesh = Mesh { nodes: corners.into(), quads: vec![[0, 1, 2, 3]], ..Mesh::default() };
+        let section = Section::new(Law::Elastic(Elastic { young: 2e8, poisson: 0.3 }), 1000.0, THICKNESS);
+        let mut nodes = Nodes::default();
+        let film = Film::mount(&mesh, &section, 0.0, &mut nodes).unwrap();
+        let ball = |mass: f64, side: f64, velocity: f64| {
+            let pose = Isometry3::translation(0.0, 0.0, side * (0.05 + 0.5 * THICKNESS));
+            let contact = Contact::new(Surface::sphere(0.05).unwrap(), 0.3, 1.0, vec![0.5 * THICKNESS; 4]);
+            Impact::new(RigidBody::guided(pose, velocity, mass), contact).starting_in_contact(true)
+        };
+        let mut engine = Engine::new(vec![film], nodes, [ball(2.0, 1.0, -1.0), ball(0.5, -1.0, 2.0)], Loads::default());
+        for _ in 0..3 {
+            engine.step(&mut Unobserved).unwrap();
+            let of_film: f64 = (0..4).map(|n| engine.nodes.mass[n] * engine.nodes.velocity_of(n).z).sum();
+            let [upper, lower] = [0, 1].map(|k| engine.impacts[k].body.velocity.z);
+            assert!((2.0 * upper + 0.5 * lower + of_film + 1.0).abs() < 1e-14, "{upper} {lower} {of_film}");
+            // Of both balls; the node between them has a thousandth of their mass.
+            assert!((upper + 0.4).abs() < 1e-3 && (lower + 0.4).abs() < 1e-3, "{upper} {lower}");
+        }
+    }
+}
