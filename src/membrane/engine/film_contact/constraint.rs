@@ -98,19 +98,31 @@ pub(super) struct Pair {
     pub(super) bound: f64,
 }
 
+impl Pair {
+    /// Distance along the normal before a step of `dt` (s), m: back from its predicted end.
+    #[inline]
+    pub(super) fn before(&self, nodes: &Nodes, dt: f64) -> f64 {
+        let mut velocity = Vector3::zeros();
+        for k in 0..4 {
+            velocity += nodes.velocity_of(self.nodes[k] as usize) * self.weights[k];
+        }
+        self.distance - velocity.dot(&self.normal) * dt
+    }
+}
+
 impl FilmConstraint {
     /// The constraint of `pair` over a step of `dt` (s), without an impulse.
     #[inline]
     pub(super) fn new(source: Source, pair: &Pair, nodes: &Nodes, dt: f64) -> Result<FilmConstraint, Unusable> {
-        let Pair { nodes: of, weights, normal, distance, bound } = *pair;
+        let Pair { nodes: of, weights, normal, bound, .. } = *pair;
         let points = WeightedNodes::new(of, weights, nodes);
         let response = points.response(&normal).dot(&normal);
         // Also true where all nodes are held and both are zero.
         if response <= LEAST_RESPONSE * points.inverse_free_mass() {
             return Err(Unusable::Held);
         }
-        // Back from the predicted end of the step: only the distance before it tells what was missing already.
-        let before = distance - points.sum(&nodes.velocity).dot(&normal) * dt;
+        // Only the distance before the step tells what was missing already.
+        let before = pair.before(nodes, dt);
         if before < -DEEPEST * bound {
             return Err(Unusable::Beyond);
         }

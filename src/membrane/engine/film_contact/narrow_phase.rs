@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
-
 use super::constraint::{FilmConstraint, Pair, Source, Unusable};
 use super::crossing::{Crossings, PARALLEL};
 use super::due::{self, Pairs};
@@ -190,7 +188,7 @@ impl FilmContact {
             let sign = match (foot.is_over, sign == 0.0) {
                 (true, false) => sign,
                 // The side on which it was before the step.
-                (true, true) => 1.0_f64.copysign(foot.distance - dt * approach(&self.surface, nodes, n, foot)),
+                (true, true) => 1.0_f64.copysign(pair(&self.surface, *node, foot, [1.0, 0.0]).before(nodes, dt)),
                 (false, _) => 0.0,
             };
             tracking.follow(n, foot.triangle, sign, &self.surface);
@@ -234,21 +232,13 @@ impl FilmContact {
         if foot.triangle != triangle || foot.is_over != (sign != 0.0) {
             found.moved.push((n as u32, foot));
         }
-        let corners = self.surface.corners[foot.triangle as usize];
-        let [a, b, c] = foot.weights;
         // Beside the outline it stays due: where the walk ends there, the face may be nearer elsewhere.
         if !foot.is_over || sign == 0.0 {
             return None;
         }
-        let distance = sign * foot.distance;
-        found.spared[entry] = due::spared(one(distance - bound - step.margins[1]))[0];
-        (distance < tracking.pairs.limit(n, bound + step.margins[0])).then_some(Pair {
-            nodes: [n as u32, corners[0], corners[1], corners[2]],
-            weights: [1.0, -a, -b, -c],
-            normal: foot.normal * sign,
-            distance,
-            bound,
-        })
+        let pair = pair(&self.surface, n as u32, &foot, [sign, bound]);
+        found.spared[entry] = due::spared(one(pair.distance - bound - step.margins[1]))[0];
+        (pair.distance < tracking.pairs.limit(n, bound + step.margins[0])).then_some(pair)
     }
 
     /// Constraints of the listed crossings.
@@ -274,11 +264,16 @@ impl FilmContact {
     }
 }
 
-/// Velocity of a node over its foot along the normal, m/s.
-fn approach(surface: &Surface, nodes: &Nodes, node: usize, foot: &Foot) -> f64 {
-    let corners = surface.corners[foot.triangle as usize];
-    let film: Vector3<f64> = (0..3).map(|k| nodes.velocity_of(corners[k] as usize) * foot.weights[k]).sum();
-    (nodes.velocity_of(node) - film).dot(&foot.normal)
+/// A node and its `foot`, on the side `sign` of it and kept apart by `bound` (m).
+fn pair(surface: &Surface, node: u32, foot: &Foot, [sign, bound]: [f64; 2]) -> Pair {
+    let ([a, b, c], [p, q, r]) = (surface.corners[foot.triangle as usize], foot.weights);
+    Pair {
+        nodes: [node, a, b, c],
+        weights: [1.0, -p, -q, -r],
+        normal: foot.normal * sign,
+        distance: sign * foot.distance,
+        bound,
+    }
 }
 
 at_width! {

@@ -89,7 +89,7 @@ impl SelfContact {
     /// as any.
     fn allowed(&self, step: Step<'_>, place: usize, close: &Pair) -> f64 {
         let whole = self.state.pairs.whole[place];
-        let before = before(step, close);
+        let before = close.before(step.nodes, step.dt);
         if before >= whole {
             whole
         } else if self.state.pairs.pairs.carried[place] == NONE {
@@ -313,16 +313,7 @@ impl Lines {
 
 /// Whether two points may have a constraint: a side that was not known before the step needs a distance then.
 fn is_certain(step: Step<'_>, sign: f64, close: &Pair) -> bool {
-    sign != 0.0 || before(step, close) >= CERTAIN * close.bound
-}
-
-/// Distance of two points before the step, m.
-fn before(step: Step<'_>, close: &Pair) -> f64 {
-    let mut velocity = Vector3::zeros();
-    for k in 0..4 {
-        velocity += step.nodes.velocity_of(close.nodes[k] as usize) * close.weights[k];
-    }
-    close.distance - velocity.dot(&close.normal) * step.dt
+    sign != 0.0 || close.before(step.nodes, step.dt) >= CERTAIN * close.bound
 }
 
 #[inline(always)]
