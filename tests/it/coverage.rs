@@ -22,7 +22,7 @@ use recordings::{GRAVITY, Given, Setup};
 use serde::{Deserialize, Serialize};
 use thorough::thorough;
 
-use crate::workbench::{droptower, error, figure, figures, root};
+use crate::workbench::{droptower, error, figures, root};
 
 /// Elements of the calibration, and of the truth: on half the size it would be off the limit, to which signals are corrected, by
 /// just what the correction states as its error.
@@ -102,7 +102,8 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
     if !reduced.status.success() {
         return Err(error(&reduced));
     }
-    let measured = figure(&figures(&reduced), "impact_velocity_m_s");
+    let reduced = figures(&reduced);
+    let measured = reduced["impact_velocity_m_s"].as_f64().ok_or_else(|| reduced.to_string())?;
     let scenario = format!(
         "extends = \"{}\"\nspecimen.mesh.size = \"{}\"\nimpactor.shape.sphere.radius = \"{RADIUS}\"\nloading.impact.velocity = \"{measured} m/s\"\n\
          loading.impact.duration = \"90 ms\"\n\

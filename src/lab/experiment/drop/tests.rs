@@ -66,6 +66,23 @@ fn reduced(recording: &Recording, reduction: &Reduction) -> Result<Drop, crate::
     reduce(&reading(recording), recording.series("laser_m").as_ref(), &TOWER, reduction)
 }
 
+#[test]
+fn figures_are_found_with_and_without_laser() {
+    let deepest = impact()[1].smallest().unwrap()[1];
+    for laser in [Sensors::default().laser, None] {
+        for seed in 0..seeds() {
+            let (recording, contact_time, absorption) = recorded(&Sensors { laser, ..Sensors::default() }, seed);
+            let drop = reduced(&recording, &Reduction::default()).unwrap();
+            let travel = drop.signals.series("displacement_m").unwrap().smallest().unwrap()[1];
+            assert!((drop.contact.time - contact_time).abs() < 2e-4, "seed {seed}: {:?}", drop.contact);
+            assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 5e-3, "seed {seed}: {:?}", drop.contact);
+            assert!((travel / deepest - 1.0).abs() < 0.01, "seed {seed}: {travel} for {deepest}");
+            let found = drop.energy_absorption.unwrap();
+            assert!((found - absorption).abs() < 0.01, "seed {seed}: {found} for {absorption}");
+        }
+    }
+}
+
 /// The guide's friction continues after contact, so that no step marks it, as with a soft film.
 #[test]
 fn without_a_step_at_contact_the_fall_still_gives_the_speed() {
@@ -129,7 +146,6 @@ fn laser_height_and_fall_that_disagree_are_named() {
         (&laser, low, &["drop-height-differs"]),
     ] {
         let drop = reduce(&reading, Some(laser), &tower, &Reduction::default()).unwrap();
-        assert!((drop.contact.velocity / -SPEED - 1.0).abs() < 0.06, "{:?}", drop.contact);
         let found = drop.warnings.iter().map(|warning| warning.code().name).next();
         assert_eq!(found.is_some(), !expected.is_empty(), "{:?}", drop.warnings);
         assert!(found.is_none_or(|found| expected.contains(&found)), "{:?}", drop.warnings);
@@ -232,6 +248,9 @@ fn doubtful_figures_have_warnings() {
     assert!(matches!(warnings[0], Warning::LatePeak { .. }), "{warnings:?}");
     let wavy = laser.with_values(laser.samples().map(|[t, v]| v + 0.0025 * (3000.0 * t).sin()).collect());
     assert!(noted(&reading, &wavy, Reduction::default()).ends_with("mm apart"));
+    let turned = changed(&|[_, v]| -v);
+    let refused = reduce(&turned, Some(&laser), &TOWER, &Reduction::default()).unwrap_err().to_string();
+    assert!(refused.contains("the sign looks reversed"), "{refused}");
 }
 
 #[test]
@@ -290,18 +309,27 @@ fn the_total_energy_drifts_by_the_work_that_the_filter_removes() {
     assert!(none < 1e-10 && none < cfc_1000 && 10.0 * cfc_1000 < cfc_60, "{none} {cfc_1000} {cfc_60}");
 }
 
-/// A time that is nearly repeated, and one of seven samples missing in the impact.
+#[test]
+fn a_nearly_repeated_time_changes_little() {
+    let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
+    let reading = reading(&recording);
+    let mut samples: Vec<[f64; 2]> = reading.samples().collect();
+    let [time, value] = samples[1000];
+    samples.insert(1001, [time + 1e-13, value]);
+    let drop =
+        reduce(&of_samples(samples), recording.series("laser_m").as_ref(), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
+}
+
 #[test]
 fn uneven_samples_are_brought_to_even_ones() {
     let (recording, contact_time, _) = recorded(&Sensors::default(), 2);
-    let (reading, laser) = (reading(&recording), recording.series("laser_m").unwrap());
-    let mut repeated: Vec<[f64; 2]> = reading.samples().collect();
-    repeated.insert(1001, [repeated[1000][0] + 1e-13, repeated[1000][1]]);
+    let reading = reading(&recording);
     let kept = reading.samples().enumerate().filter(|(index, _)| index % 7 != 3 || *index < 2000);
-    for uneven in [of_samples(repeated), of_samples(kept.map(|(_, sample)| sample))] {
-        let drop = reduce(&uneven, Some(&laser), &TOWER, &Reduction::default()).unwrap();
-        assert!((drop.contact.time - contact_time).abs() < 2e-4);
-    }
+    let uneven = of_samples(kept.map(|(_, sample)| sample));
+    let laser = recording.series("laser_m").unwrap();
+    let drop = reduce(&uneven, Some(&laser), &TOWER, &Reduction::default()).unwrap();
+    assert!((drop.contact.time - contact_time).abs() < 2e-4);
 }
 
 #[test]
