@@ -150,15 +150,17 @@ fn simulated(truth: &[f64; 4], speed: f64) -> Option<Vec<f64>> {
     outcome.rupture_time.is_none().then(|| signal.values().to_vec())
 }
 
-/// An exponentially correlated process or a smooth sum of waves over 2 to 30 % of the loading, of a share of the signal's size;
-/// it begins with the force of the film.
+/// An exponentially correlated process or a smooth sum of waves over 2 to 30 % of the loading, of a share of the signal's root mean
+/// square; it begins with the force of the film.
 fn error_of_the_law(random: &mut ChaCha8Rng, clean: &[f64], share: f64) -> Vec<f64> {
     let lowest = clean.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).expect("samples").0 + 1;
     let level = (clean[..lowest].iter().map(|v| v * v).sum::<f64>() / lowest as f64).sqrt();
     let uniform = |random: &mut ChaCha8Rng| -> f64 { StandardUniform.sample(random) };
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
-    // Where film hardly carries, a law cannot be off by much: the share is that of the force, up to half the level.
-    let size = |place: usize| share * level * (2.0 * (clean[place] + GRAVITY) / level).clamp(0.0, 1.0);
+    // Where film hardly carries, a law cannot be off by much: the error grows with the force, up to half the level.
+    let grown = |place: usize| (2.0 * (clean[place] + GRAVITY) / level).clamp(0.0, 1.0);
+    let grown_level = ((0..lowest).map(|place| grown(place).powi(2)).sum::<f64>() / lowest as f64).sqrt();
+    let size = |place: usize| share * level * grown(place) / grown_level;
     let length = lowest as f64 * 0.02 * 15.0_f64.powf(uniform(random));
     if uniform(random) < 0.5 {
         let keep = (-1.0 / length).exp();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::error_model::{ErrorModel, Noise, Recorded, Shape, Size, root_mean_square};
+use super::error_model::{ErrorModel, ErrorSize, Noise, Recorded, Shape, root_mean_square};
 use super::outcome::{self, BREAK_FACTORS};
 use super::parameter::{Role, Unknown};
 use super::plan::{BreakUnknowns, Plan};
@@ -116,9 +116,6 @@ impl Prediction {
     }
 }
 
-/// The model's error of a draw, as a share, and what it is a share of.
-type Error = (f64, Size);
-
 /// A scenario whose runs take draws of a posterior.
 struct Drawn<'a> {
     study: &'a ScenarioHandle,
@@ -202,7 +199,7 @@ impl Asked {
     }
 
     /// Whether the runs have the figures that are asked for.
-    fn check(&self, runs: &[(Run, Error)]) -> HostResult<()> {
+    fn check(&self, runs: &[(Run, ErrorSize)]) -> HostResult<()> {
         let is_missing = |name: &&String| !runs.iter().any(|(run, _)| number(run, name).is_some());
         match self.names().find(is_missing) {
             None => Ok(()),
@@ -211,7 +208,7 @@ impl Asked {
     }
 
     /// Values of a figure, each with the deviation that its model's error gives it.
-    fn values(&self, figure: &str, runs: &[(Run, Error)]) -> Vec<(f64, f64)> {
+    fn values(&self, figure: &str, runs: &[(Run, ErrorSize)]) -> Vec<(f64, f64)> {
         let error = self.errors.get(figure).copied().unwrap_or(0.0);
         runs.iter().filter_map(|(run, _)| number(run, figure)).map(|value| (value, error * value.abs())).collect()
     }
@@ -238,7 +235,7 @@ fn number(run: &Run, figure: &str) -> Option<f64> {
 }
 
 /// A row a figure: quantiles, and the shares of the variance that one parameter alone explains, by a linear fit.
-fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], runs: &[(Run, Error)]) -> Vec<Row> {
+fn figures(scenario: &str, drawn: &Drawn<'_>, asked: &Asked, draws: &[&Draw], runs: &[(Run, ErrorSize)]) -> Vec<Row> {
     let names: Vec<String> = match asked.figures.is_empty() {
         false => asked.figures.clone(),
         true => {
@@ -293,7 +290,7 @@ fn correlation(one: &[f64], other: &[f64]) -> Option<f64> {
 }
 
 /// Probabilities of a rupture and of limits that are exceeded, with their interval of 95 % (Wilson).
-fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, Error)]) -> Vec<Row> {
+fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, ErrorSize)]) -> Vec<Row> {
     let ruptured = ("ruptured".to_owned(), 0.5);
     let all = std::iter::once(&ruptured).chain(&asked.above);
     let row = |(figure, limit): &(String, f64)| {
@@ -317,7 +314,7 @@ fn probabilities(scenario: &str, asked: &Asked, runs: &[(Run, Error)]) -> Vec<Ro
 fn band(
     (scenario, study): (&str, &ScenarioHandle),
     name: &str,
-    runs: &[(Run, Error)],
+    runs: &[(Run, ErrorSize)],
 ) -> HostResult<(Plot, Option<Row>)> {
     let signals = runs.iter().map(|(run, error)| Ok((run.channel(name)?, *error))).collect::<HostResult<Vec<_>>>()?;
     let end = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(f64::INFINITY, f64::min);
@@ -337,9 +334,9 @@ fn band(
         let own: Vec<(f64, f64)> = signals
             .iter()
             .zip(&levels)
-            .filter_map(|((own, (share, size)), level)| {
+            .filter_map(|((own, error), level)| {
                 let value = own.value_at(*place)?;
-                Some((value, share * size.of(value, *level).abs()))
+                Some((value, error.deviation(value, *level)))
             })
             .collect();
         let values: Vec<f64> = own.iter().map(|(value, _)| *value).collect();
@@ -351,7 +348,7 @@ fn band(
         points: places.iter().enumerate().map(|(at, place)| [1e3 * place, column.factor * of(at)]).collect(),
         look,
     };
-    let has_errors = runs.iter().any(|(_, (share, _))| *share > 0.0);
+    let has_errors = runs.iter().any(|(_, error)| error.share > 0.0);
     let mut curves = vec![
         curve("median", Look::Line, &|at| inner[at][1]),
         curve("2.5 %, parameters", Look::Dashed, &|at| inner[at][0]),
@@ -381,16 +378,16 @@ fn band(
 
 /// Whether the mean of a recording over each bin, as tests are compared by, lies within the ends of 95 % of the runs' means with
 /// the model's error and the noise of the recording; of bins that all runs reach.
-fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, Error)]) -> Vec<bool> {
+fn within_band(recorded: &Series, window: [f64; 2], class: Option<f64>, signals: &[(Series, ErrorSize)]) -> Vec<bool> {
     let reached = signals.iter().filter_map(|(own, _)| own.time().last().copied()).fold(window[1], f64::min);
     let recorded = Recorded::new(recorded, [window[0], reached], class);
     // Of noise and means alone.
     let errors = recorded.and_then(|own| ErrorModel::new(&[own], Noise::FromRecording, Shape::all(None)[0]));
     let Ok(errors) = errors else { return Vec::new() };
-    let of_run = |(own, (share, size)): &(Series, Error)| {
+    let of_run = |(own, error): &(Series, ErrorSize)| {
         let means = errors.means(own).ok()?;
         let level = root_mean_square(&means);
-        let of_bin = |mean: f64| (mean, (share * size.of(mean, level)).hypot(errors.noise()));
+        let of_bin = |mean: f64| (mean, error.deviation(mean, level).hypot(errors.noise()));
         Some(means.into_iter().map(of_bin).collect::<Vec<_>>())
     };
     let Some(runs) = signals.iter().map(of_run).collect::<Option<Vec<_>>>() else { return Vec::new() };
@@ -453,6 +450,8 @@ mod tests {
 
     use super::*;
 
+    const NONE: ErrorSize = ErrorSize { share: 0.0, in_proportion: 0.0 };
+
     #[test]
     fn a_mixture_has_the_ends_of_its_normal_distributions() {
         let found = ends(&[(1.0, 2.0), (1.0, 2.0)]);
@@ -481,7 +480,7 @@ mod tests {
                 let values: Vec<f64> = time.iter().map(|t| size * shape(t) + noise * random.normal()).collect();
                 Series::new(time.to_vec(), values)
             };
-            let runs: Vec<(Series, Error)> = (0..40).map(|_| (signal(&later, 0.0), (0.0, Size::Even))).collect();
+            let runs: Vec<(Series, ErrorSize)> = (0..40).map(|_| (signal(&later, 0.0), NONE)).collect();
             let found = within_band(&signal(&time, 80.0), [0.0, 0.1], None, &runs);
             assert!(found.len() > 50);
             within += found.iter().filter(|own| **own).count();
@@ -490,7 +489,7 @@ mod tests {
         let share = f64::from(within as u32) / f64::from(all as u32);
         assert!((share - 0.95).abs() < 0.02, "{share}");
         let zero = Series::new(time.clone(), vec![0.0; time.len()]);
-        assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), (0.0, Size::Even))]).is_empty());
+        assert!(within_band(&zero, [0.0, 0.1], None, &[(zero.clone(), NONE)]).is_empty());
     }
 
     /// Recordings with an error of the law, a wave of random phase that is even or in proportion to the signal: 95 % of their means lie
@@ -506,20 +505,19 @@ mod tests {
             Series::new(time.clone(), time.iter().map(|t| size * value(t) + error(*t, value(t))).collect::<Vec<_>>())
         };
         let level = root_mean_square(signal(1.0, &|_, _| 0.0).values());
-        for size in [Size::Even, Size::InProportion] {
+        for in_proportion in [0.0, 1.0] {
             // Of the fifth at either end and of the rest: means within, and all.
             let mut counts = [[0_usize; 2]; 2];
             for _ in 0..120 {
                 let [own, sine, cosine] = [0, 1, 2].map(|_| random.normal());
                 let wave = |t: f64| sine * (7.0 * along(t)).sin() + cosine * (7.0 * along(t)).cos();
                 let even = |t: f64, _: f64| SHARE * level * wave(t);
-                let in_proportion = |t: f64, value: f64| SHARE * value * wave(t);
-                let recorded = match size {
-                    Size::Even => signal(1.0 + 0.02 * own, &even),
-                    Size::InProportion => signal(1.0 + 0.02 * own, &in_proportion),
-                };
-                let run = |_| (signal(1.0 + 0.02 * random.normal(), &|_, _| 0.0), (SHARE, size));
-                let runs: Vec<(Series, Error)> = (0..40).map(run).collect();
+                let of_value = |t: f64, value: f64| SHARE * value * wave(t);
+                let error: &dyn Fn(f64, f64) -> f64 = if in_proportion > 0.0 { &of_value } else { &even };
+                let recorded = signal(1.0 + 0.02 * own, error);
+                let run =
+                    |_| (signal(1.0 + 0.02 * random.normal(), &|_, _| 0.0), ErrorSize { share: SHARE, in_proportion });
+                let runs: Vec<(Series, ErrorSize)> = (0..40).map(run).collect();
                 let within = within_band(&recorded, [0.0, 0.1], None, &runs);
                 for (bin, is_within) in within.iter().enumerate() {
                     let part = usize::from((within.len() / 5..within.len() * 4 / 5).contains(&bin));
@@ -529,7 +527,7 @@ mod tests {
             }
             for [within, all] in counts {
                 let share = within as f64 / all as f64;
-                assert!((share - 0.95).abs() < 0.025, "{size:?}: {counts:?}");
+                assert!((share - 0.95).abs() < 0.025, "{in_proportion}: {counts:?}");
             }
         }
     }

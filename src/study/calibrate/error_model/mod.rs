@@ -8,9 +8,8 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use base::number::significant;
 use lab::signal::Series;
@@ -58,99 +57,95 @@ pub(super) enum Correlation {
 /// scale and a slope of the signal can hardly be told from.
 const LENGTHS: [f64; 8] = [0.02, 0.0325, 0.053, 0.086, 0.14, 0.228, 0.37, 0.6];
 
-/// How large the model's error is along a signal.
+/// Shares of the variance of the model's error that are in proportion to the signal and smooth over [`LONG`] of the window (assumed).
+/// How far a law is off all along cannot be told from how far it is off from place to place, and parameters take most of it up.
+const LONG_PARTS: [f64; 3] = [0.0, 0.3, 0.9];
+const LONG: f64 = 0.37;
+
+/// The size of the model's error, of which a share of the variance is in proportion to the signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Size {
-    /// A share of the root mean square of the signal, everywhere.
-    Even,
-    /// In proportion to the simulated signal.
-    InProportion,
+pub(super) struct ErrorSize {
+    /// Its deviation, as a share of the root mean square of the signal.
+    pub(super) share: f64,
+    pub(super) in_proportion: f64,
 }
 
-impl Size {
-    /// What an error of a share is the share of, where a simulated signal has a `value` and the root mean square `level`: with the
-    /// sign of the signal in proportion to it, since a law that is too stiff is so on both sides of zero.
-    pub(super) fn of(self, value: f64, level: f64) -> f64 {
-        match self {
-            Size::Even => level,
-            Size::InProportion => value,
-        }
+impl ErrorSize {
+    /// Its deviation where a simulated signal has a `value` and the root mean square `level`.
+    pub(super) fn deviation(self, value: f64, level: f64) -> f64 {
+        self.share * ((1.0 - self.in_proportion) * level * level + self.in_proportion * value * value).sqrt()
     }
 }
 
-/// Shares of the variance of a smooth error that a rough part may have, as nodes that come into contact one by one leave it
-/// (assumed): of its size a tenth, a third and half.
-const ROUGH_PARTS: [f64; 3] = [0.01, 0.1, 0.3];
-
-/// The shape of the model's error along a signal: a process with Matérn's correlation, smooth ones with a rough part or none, and its
-/// size.
+/// The shape of the model's error along a signal: a process with Matérn's correlation, even or in proportion to the signal, and a
+/// long part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     /// Twice Matérn's ν: 1 (exponential), 3 (once differentiable), or 0 for any number of times (squared exponential).
     order: u8,
     length: Correlation,
-    /// Share of its variance that has an exponential correlation over the shortest of [`LENGTHS`].
-    rough: f64,
-    size: Size,
+    /// Whether the process is a share of the simulated signal, with its sign, since a law that is too stiff is so on both sides of
+    /// zero, or of the root mean square everywhere.
+    in_proportion: bool,
+    /// Share of the variance of the long part.
+    long: f64,
 }
 
 impl Shape {
-    /// The shapes that count beside each other with this length, or with any.
+    /// The shapes that count beside each other with this length, which is of the whole error, or with any.
     pub(super) fn all(length: Option<Correlation>) -> Vec<Shape> {
         let lengths = length.map_or_else(|| LENGTHS.map(Correlation::Share).to_vec(), |own| vec![own]);
-        let of_order = |(order, rough)| lengths.iter().map(move |length| (order, rough, *length));
-        let smooth = if length.is_none() { &ROUGH_PARTS[..] } else { &[] };
-        let orders = [(1, 0.0), (3, 0.0), (0, 0.0)].into_iter().chain(smooth.iter().map(|rough| (0, *rough)));
-        let of_size =
-            |(order, rough, length)| [Size::Even, Size::InProportion].map(|size| Shape { order, length, rough, size });
-        orders.flat_map(of_order).flat_map(of_size).collect()
-    }
-
-    /// How large it is along the signal.
-    pub(super) fn size(self) -> Size {
-        self.size
-    }
-
-    /// Correlation of the error at two places, so many lengths apart.
-    fn correlation(self, apart: f64) -> f64 {
-        let s = f64::from(self.order).sqrt() * apart.abs();
-        let own = match self.order {
-            0 => (-0.5 * apart * apart).exp(),
-            1 => (-s).exp(),
-            _ => (1.0 + s) * (-s).exp(),
+        let parts = if length.is_none() { &LONG_PARTS[..] } else { &[0.0] };
+        let of_length = |length: &Correlation| {
+            let (length, of_order) = (*length, [1, 3, 0].into_iter());
+            of_order.flat_map(move |order| {
+                let of_part = move |long: &f64| {
+                    [false, true].map(|in_proportion| Shape { order, length, in_proportion, long: *long })
+                };
+                parts.iter().flat_map(of_part)
+            })
         };
-        match self.length {
-            Correlation::Share(share) if self.rough > 0.0 => {
-                (1.0 - self.rough) * own + self.rough * (-apart.abs() * share / LENGTHS[0]).exp()
-            }
-            _ => own,
-        }
+        lengths.iter().flat_map(of_length).collect()
     }
 
-    /// Covariance of the means of an error of unit variance over two bins, so many bins apart; a bin is `bin` lengths (equation
-    /// 330).
-    fn of_means(self, apart: usize, bin: f64) -> f64 {
-        /// Parts of a bin, of three places each (Gauss).
-        const PARTS: usize = 8;
-        const PLACES: [[f64; 2]; 3] =
-            [[0.112_701_665_379_258_3, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_334_620_741_7, 5.0 / 18.0]];
-        let apart = apart as f64;
-        let of_part = |part: usize| {
-            let of_place = |[place, weight]: [f64; 2]| {
-                let u = (part as f64 + place) / PARTS as f64;
-                let both = self.correlation((apart + u) * bin) + self.correlation((apart - u) * bin);
-                weight / PARTS as f64 * (1.0 - u) * both
-            };
-            PLACES.map(of_place).iter().sum::<f64>()
+    /// Share of its variance that is in proportion to the signal.
+    pub(super) fn in_proportion(self) -> f64 {
+        if self.in_proportion { 1.0 } else { self.long }
+    }
+}
+
+/// Matérn's correlation of an [order](Shape::order) at two places, so many lengths apart.
+fn correlation(order: u8, apart: f64) -> f64 {
+    let s = f64::from(order).sqrt() * apart.abs();
+    match order {
+        0 => (-0.5 * apart * apart).exp(),
+        1 => (-s).exp(),
+        _ => (1.0 + s) * (-s).exp(),
+    }
+}
+
+/// Covariance of the means of an error of unit variance over two bins, so many bins apart; a bin is `bin` lengths (equation 330).
+fn of_means(order: u8, apart: usize, bin: f64) -> f64 {
+    /// Parts of a bin, of three places each (Gauss).
+    const PARTS: usize = 8;
+    const PLACES: [[f64; 2]; 3] =
+        [[0.112_701_665_379_258_3, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_334_620_741_7, 5.0 / 18.0]];
+    let apart = apart as f64;
+    let of_part = |part: usize| {
+        let of_place = |[place, weight]: [f64; 2]| {
+            let u = (part as f64 + place) / PARTS as f64;
+            let both = correlation(order, (apart + u) * bin) + correlation(order, (apart - u) * bin);
+            weight / PARTS as f64 * (1.0 - u) * both
         };
-        (0..PARTS).map(of_part).sum()
-    }
+        PLACES.map(of_place).iter().sum::<f64>()
+    };
+    (0..PARTS).map(of_part).sum()
+}
 
-    /// Mean square of the third differences of such means, over that of independent ones.
-    fn third_difference(self, bin: f64) -> f64 {
-        let terms = [20.0, -30.0, 12.0, -2.0].into_iter().enumerate();
-        terms.map(|(apart, factor)| factor * self.of_means(apart, bin)).sum::<f64>() / OF_THIRD_DIFFERENCE
-    }
+/// Mean square of the third differences of such means, over that of independent ones.
+fn third_difference_of(order: u8, bin: f64) -> f64 {
+    let terms = [20.0, -30.0, 12.0, -2.0].into_iter().enumerate();
+    terms.map(|(apart, factor)| factor * of_means(order, apart, bin)).sum::<f64>() / OF_THIRD_DIFFERENCE
 }
 
 impl fmt::Display for Shape {
@@ -165,10 +160,13 @@ impl fmt::Display for Shape {
             Correlation::Share(share) => write!(f, "{} % of the window", significant(100.0 * share, 2))?,
         }
         write!(f, ", {smooth}")?;
-        if self.rough > 0.0 {
-            write!(f, " but for a rough {} % of its size", significant(100.0 * self.rough.sqrt(), 2))?;
+        if self.in_proportion {
+            f.write_str(", in proportion to the signal")?;
         }
-        if self.size == Size::InProportion { f.write_str(", in proportion to the signal") } else { Ok(()) }
+        if self.long > 0.0 {
+            write!(f, ", {} % of its variance all along", significant(100.0 * self.long, 2))?;
+        }
+        Ok(())
     }
 }
 
@@ -394,22 +392,29 @@ impl ErrorModel {
         };
         // The recordings show the roughness of the model's error as noise, too: each place is relieved of its own. Where an error in
         // proportion is small, the noise stays as large as the recording shows it.
-        let rough = self.fine.map_or(0.0, |(fine, factor)| factor * shape.third_difference(fine / length));
-        let bin = window / bins as f64 / length;
-        let scale = |(noise, simulated): (f64, &f64)| shape.size.of(*simulated, self.level) / noise;
-        let scale: Vec<f64> = self.noises().zip(&self.simulated_means).map(scale).collect();
-        let is_even = scale.iter().zip(&self.counts).all(|(own, count)| *own == scale[0] && *count == self.counts[0]);
-        if is_even && self.directions().next().is_none() {
-            let decomposed = decomposed(shape, bins, bin);
-            let eigenvalue = |own: &f64| scale[0] * scale[0] * (own - rough / self.counts[0]);
-            let eigenvalues = decomposed.1.iter().map(eigenvalue).collect();
-            return Spectrum { basis: Arc::clone(&decomposed.0), eigenvalues };
-        }
-        let mut matrix = covariance(shape, bins, bin);
-        (0..bins).for_each(|row| matrix[(row, row)] -= rough / self.counts[row]);
-        let scaled = DMatrix::from_fn(bins, bins, |row, column| scale[row] * matrix[(row, column)] * scale[column]);
+        let rough = self.fine.map_or(0.0, |(fine, factor)| factor * third_difference_of(shape.order, fine / length));
+        let bin = window / bins as f64;
+        let pairs = |apart| {
+            let [own, long] =
+                [(shape.order, length), (0, LONG * window)].map(|(order, of)| of_means(order, apart, bin / of));
+            [(1.0 - shape.long) * own, shape.long * long]
+        };
+        let covariances: Vec<[f64; 2]> = (0..bins).map(pairs).collect();
+        let noises: Vec<f64> = self.noises().collect();
+        // Sizes of both parts, over the noise.
+        let sizes = |(simulated, noise): (&f64, &f64)| {
+            [if shape.in_proportion { *simulated } else { self.level }, *simulated].map(|own| own / noise)
+        };
+        let sizes: Vec<[f64; 2]> = self.simulated_means.iter().zip(&noises).map(sizes).collect();
+        let scaled = DMatrix::from_fn(bins, bins, |row, column| {
+            let [mut own, long] = covariances[row.abs_diff(column)];
+            if row == column {
+                own -= (1.0 - shape.long) * rough / self.counts[row];
+            }
+            sizes[row][0] * own * sizes[column][0] + sizes[row][1] * long * sizes[column][1]
+        });
         let mut white = DMatrix::identity(bins, bins);
-        self.take_common_off(&mut white, &self.noises().collect::<Vec<_>>());
+        self.take_common_off(&mut white, &noises);
         let eigen = SymmetricEigen::new(&white * scaled * &white);
         let basis = eigen.eigenvectors.transpose() * white;
         Spectrum { basis: Arc::new(basis), eigenvalues: eigen.eigenvalues.as_slice().to_vec() }
@@ -614,40 +619,6 @@ impl ErrorModel {
         self.take_common_off(&mut residuals, &deviations);
         residuals.as_slice().to_vec()
     }
-}
-
-/// The covariance of the means of an error of unit variance over so many bins, of `bin` lengths each.
-fn covariance(shape: Shape, bins: usize, bin: f64) -> DMatrix<f64> {
-    let covariances: Vec<f64> = (0..bins).map(|apart| shape.of_means(apart, bin)).collect();
-    DMatrix::from_fn(bins, bins, |row, column| covariances[row.abs_diff(column)])
-}
-
-/// Order of a shape, bits of its rough part, bins, and lengths of a bin in billionths.
-type Key = (u8, u64, usize, u64);
-
-/// Eigenvectors, as rows, and eigenvalues of a covariance.
-type Decomposed = (Arc<DMatrix<f64>>, Vec<f64>);
-
-/// Those of an error of unit variance over so many bins, which signals of all tests have in common: each is computed once.
-fn decomposed(shape: Shape, bins: usize, bin: f64) -> Arc<Decomposed> {
-    /// Most that are kept.
-    const MOST: usize = 512;
-    static KNOWN: Mutex<BTreeMap<Key, Arc<Decomposed>>> = Mutex::new(BTreeMap::new());
-    let known = || base::lock(&KNOWN);
-    // Lengths that are shares of windows differ by rounding.
-    let key = (shape.order, shape.rough.to_bits(), bins, (1e9 * bin).round() as u64);
-    if let Some(found) = known().get(&key) {
-        return Arc::clone(found);
-    }
-    let eigen = SymmetricEigen::new(covariance(shape, bins, bin));
-    let eigenvalues = eigen.eigenvalues.iter().map(|value| value.max(0.0)).collect();
-    let found = Arc::new((Arc::new(eigen.eigenvectors.transpose()), eigenvalues));
-    let mut known = known();
-    if known.len() >= MOST {
-        known.clear();
-    }
-    known.insert(key, Arc::clone(&found));
-    found
 }
 
 /// What signals of a test leave: each with its errors, and its differences over the noise.

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
-use crate::calibrate::error_model::{Shape, Size, Spectrum, log_mean_exp};
+use crate::calibrate::error_model::{ErrorSize, Shape, Spectrum};
 use crate::calibrate::mesh;
 use crate::calibrate::objective::CalibrationObjective;
 use crate::calibrate::plan::{BreakUnknowns, Plan};
@@ -86,7 +86,7 @@ pub(super) struct Posterior {
     pub(super) runs_of_tests: Vec<usize>,
     /// Error of the surrogate of each test at new points.
     pub(super) errors: Vec<f64>,
-    /// Of each state, how likely the model's error is in proportion to the signal, mean over the tests that have one.
+    /// Of each state, the share of the variance of the model's error that is in proportion to the signal, mean over the tests.
     in_proportion: Vec<f64>,
     pub(super) warnings: Vec<Warning>,
 }
@@ -96,8 +96,7 @@ pub(super) struct Posterior {
 pub(super) struct Draw {
     /// The unknowns; of what scatters over specimens, the value of this one.
     pub(super) x: Vec<f64>,
-    /// The model's error, and what it is a share of.
-    pub(super) error: (f64, Size),
+    pub(super) error: ErrorSize,
     /// How far its break strains along MD and TD are from their medians, in deviations of their logarithm.
     pub(super) breaks: [f64; 2],
 }
@@ -185,8 +184,8 @@ impl Posterior {
                 x[own.unknown] = within(ends, x[own.unknown], state[own.deviation].exp(), &mut stream);
             }
             let breaks = [stream.normal(), stream.normal()];
-            let size = if stream.uniform() < self.in_proportion[number] { Size::InProportion } else { Size::Even };
-            Draw { x, error: (self.layout.share(state, plan), size), breaks }
+            let error = ErrorSize { share: self.layout.share(state, plan), in_proportion: self.in_proportion[number] };
+            Draw { x, error, breaks }
         };
         (0..count).map(draw).collect()
     }
@@ -675,8 +674,8 @@ impl<'a> Sampling<'a> {
         (0..self.plan.tests.len()).map(region).collect()
     }
 
-    /// How likely the model's error is in proportion to the signal at a state, mean over the tests whose error may have one of several
-    /// `shapes`; zero where none may.
+    /// The share of the variance of the model's error that is in proportion to the signal at a state, mean over the tests whose error
+    /// may have one of several `shapes`; zero where none may.
     fn in_proportion(&self, surrogates: &[TestSurrogate], shapes: &[Vec<Shape>], state: &[f64]) -> f64 {
         let of_test = |(test, surrogate): (usize, &TestSurrogate)| {
             let shapes = &shapes[test];
@@ -684,9 +683,10 @@ impl<'a> Sampling<'a> {
             let point: Vec<f64> = self.acting[test].iter().map(|index| x[*index]).collect();
             let found = surrogate.predicted(&point).filter(|_| shapes.len() > 1)?;
             let logs = surrogate.of_shapes(&found, self.layout.share(state, self.plan));
-            let own = logs.iter().zip(shapes).filter(|(_, shape)| shape.size() == Size::InProportion);
-            let share = own.clone().count() as f64 / shapes.len() as f64;
-            Some(share * (log_mean_exp(own.map(|(log, _)| *log)) - log_mean_exp(logs.iter().copied())).exp())
+            let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let weights = logs.iter().map(|log| (log - largest).exp());
+            let own = weights.clone().zip(shapes).map(|(weight, shape)| weight * shape.in_proportion()).sum::<f64>();
+            Some(own / weights.sum::<f64>())
         };
         let found: Vec<f64> = surrogates.iter().enumerate().filter_map(of_test).collect();
         found.iter().sum::<f64>() / found.len().max(1) as f64
