@@ -262,7 +262,10 @@ impl KeyEntry {
             Some(format!("  \"{}\": {sentence}", choice.word))
         });
         lines.extend(described);
-        lines.extend(self.refused_beside.iter().map(|beside| format!("refused beside: {beside}")));
+        lines.extend(self.refused_beside.iter().map(|beside| match beside.strip_prefix("no ") {
+            Some(lacking) => format!("refused without {lacking}"),
+            None => format!("refused beside {beside}"),
+        }));
         lines.join("\n    ")
     }
 }

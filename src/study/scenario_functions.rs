@@ -270,10 +270,9 @@ impl ScenarioHandle {
         Ok(Some(Run::new(model, &outcome, &results, Some(session.budget()))))
     }
 
-    /// The material of the specimen as a material file.
-    fn material_text(&self) -> HostResult<String> {
-        let none = || refuse!("the specimen of {} has no material: its faces have", self.0.model.name);
-        self.0.document.material_text().ok_or_else(none)
+    /// The material of the specimen as a material file; none where its faces have materials of their own.
+    pub(crate) fn film(&self) -> Option<String> {
+        self.0.document.material_text()
     }
 
     /// What is written at a key, `()` where nothing is.
@@ -494,7 +493,10 @@ pub fn register(engine: &mut Engine, scenarios: &Scenarios) {
         .register_fn("curve", |scenario: &mut ScenarioHandle, name: &str| scenario.curve(name, None))
         .register_fn("curve", |scenario: &mut ScenarioHandle, name: &str, face: INT| scenario.curve(name, Some(face)))
         .register_fn("written", |scenario: &mut ScenarioHandle, key: &str| scenario.written(key))
-        .register_fn("material_text", |scenario: &mut ScenarioHandle| scenario.material_text())
+        .register_fn("material_text", |scenario: &mut ScenarioHandle| {
+            let none = || refuse!("the specimen of {} has no material: its faces have", scenario.0.model.name);
+            scenario.film().ok_or_else(none)
+        })
         .register_get("model", |scenario: &mut ScenarioHandle| from_json(&Value::Object(run::facts(&scenario.0.model))))
         .register_get("name", |scenario: &mut ScenarioHandle| scenario.0.model.name.clone())
         .register_get("title", |scenario: &mut ScenarioHandle| scenario.0.model.title.clone());

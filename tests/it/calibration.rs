@@ -138,6 +138,8 @@ fn tests_share_parameters_and_have_their_own() {
     let (_, output) = run(&["own"]);
     let tables: Vec<&str> = output.tables.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(tables, ["both_parameters", "both_tests"]);
+    let files: Vec<&str> = output.files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(files, ["both_film_1.toml", "both_film_2.toml"], "films of two thicknesses");
 }
 
 #[test]
@@ -280,8 +282,8 @@ fn angles_between_follow_a_fabric_and_not_a_film_that_yields_together() {
     assert!(!codes.contains(&"angles-do-not-follow".to_owned()), "{codes:?}");
 }
 
-/// A study in a file: its parameter is found, a scenario that is predicted is read before the search, and what was found before a
-/// mistake in a later line is kept.
+/// A study in a file: its parameter is found, its film is in its folder, a scenario that is predicted is read before the search, and
+/// what was found before a mistake in a later line is kept.
 #[test]
 fn a_study_in_a_file_is_calibrated() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -307,6 +309,14 @@ fn a_study_in_a_file_is_calibrated() {
     let own = &found["tables"]["parameters"][0];
     assert!((own["value"].as_f64().expect("a value") - 1.3).abs() < 0.01, "{own}");
     assert_eq!(own["verdict"], "determined");
+    let curves = |film: &str| -> Vec<f64> {
+        workbench::printed(&droptower(at, &["export", "card", film, "--for", "curves", "-o", "curves.csv", "--force"]));
+        let text = fs::read_to_string(at.join("curves.csv")).expect("curves");
+        text.lines().flat_map(|line| line.split(',')).filter_map(|number| number.parse().ok()).collect()
+    };
+    let [found, recorded] = ["runs/study", "film.toml"].map(curves);
+    assert!(found.len() > 10 && found.len() == recorded.len(), "{found:?} {recorded:?}");
+    assert!(found.iter().zip(&recorded).all(|(a, b)| (a - b).abs() <= 0.01 * b.abs()), "{found:?} {recorded:?}");
     // Before any run: a scenario that cannot be read.
     study("", "[predict]\nscenarios = [\"head.toml\"]\n[posterior]\nhierarchy = [\"kx\"]\n");
     let refused = droptower(at, &["calibrate", "study.toml", "--force"]);

@@ -43,23 +43,3 @@ fn what_a_card_loses_is_a_finding() {
     let codes = finding_codes(&summary);
     assert!(codes.contains(&"card-rates") && codes.contains(&"card-unloading-from"), "{codes:?}");
 }
-
-/// The film that a search found is a card's by the folder of the study.
-#[test]
-fn the_film_of_a_study_is_in_its_folder() {
-    let bench = tempfile::tempdir().expect("a folder");
-    let run = |arguments: &[&str]| drop(printed(&droptower(bench.path(), arguments)));
-    let scenario = root().join("scenarios/drop/1008.toml");
-    let script = "let film = scenario(args.scenario).with(#{ \"specimen.material.fabric.scale\": #{ k1: 1, ke: 2, ky: 1 } });\n\
-                  write_text(\"film.toml\", film.material_text());\n";
-    fs::write(bench.path().join("study.rhai"), script).expect("a script");
-    run(&["script", "study.rhai", "--scenario", scenario.to_str().expect("UTF-8"), "--out", "runs/study"]);
-    let card = |film: &str, out: &str| {
-        run(&["export", "card", film, "--for", "curves", "--layers", "8", "-o", out]);
-        let text = fs::read_to_string(bench.path().join(out)).expect("the card");
-        text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
-    };
-    let studied = card("runs/study", "study.csv");
-    let scaled = scenario.to_str().expect("UTF-8");
-    assert_ne!(studied, card(scaled, "scenario.csv"), "the multipliers are in the curves");
-}

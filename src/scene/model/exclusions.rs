@@ -229,11 +229,11 @@ exclusions! {
             => hint "closed air does not flow: give `vent`".
         "air.cushion" beside "`frame.hold`, unless \"all\"" when |s| s.is_impact() && *s.hold != Hold::All
             => "air escapes past an edge that is not held"; hint "hold \"all\"".
-        "contact.itself" beside "neither impactor nor gas" when |s| s.scenario.contact.itself && !s.film_folds()
+        "contact.itself" beside "no impactor or gas" when |s| s.scenario.contact.itself && !s.film_folds()
             => hint "neither an impactor nor a pressure folds the film".
-        "contact.film" beside "one face, or no impactor" when |s| s.scenario.contact.film && !s.faces_meet()
+        "contact.film" beside "no second face and impactor" when |s| s.scenario.contact.film && !s.faces_meet()
             => hint "no two faces can meet".
-        "contact.film_friction" beside "one face, or no impactor" when |s| !s.faces_meet() && !s.scenario.contact.itself
+        "contact.film_friction" beside "no second face and impactor" when |s| !s.faces_meet() && !s.scenario.contact.itself
             => hint "no two faces are pressed on each other".
         "reference.signals" beside "all loadings but `loading.impact`" when |s| !s.is_impact()
             => hint "only an impact is compared with recorded signals".
@@ -285,7 +285,7 @@ exclusions! {
             => hint "an impactor on a hinge has a `spin`".
         "inertia", "spin" beside "any `guide` but \"free\" and a hinge" when |b| !b.rotates()
             => hint "the guide admits no rotation; \"free\" and a hinge do".
-        "restitution" beside "no other impactor and no bars" when |b| b.is_alone
+        "restitution" beside "no other impactor or bars" when |b| b.is_alone
             => hint "there is no other impactor to meet, and the frame has no bars".
 
     /// Exclusions among the keys of a material.

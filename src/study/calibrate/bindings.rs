@@ -22,9 +22,10 @@ use super::warning::Warning;
 use crate::identify::SearchHost;
 use crate::scenario_functions::{ScenarioHandle, Scenarios};
 use crate::script::{
-    CallOptions, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key, texts,
+    CallOptions, File, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key, texts,
 };
 use base::finding::Finding;
+use base::number::significant;
 use uncertainty::statistics::quantiles;
 
 /// What scripts are checked against before they run, since a search takes long.
@@ -169,6 +170,7 @@ impl Calibration {
         let fit = Fit::search(&mut plan, &around.host, session)?;
         let own = Calibration(Arc::new(Parts { plan, fit, around: around.clone(), derived: Mutex::default() }));
         own.report()?;
+        own.films(session)?;
         Ok(own)
     }
 
@@ -196,6 +198,38 @@ impl Calibration {
         }
         let mut findings = fit.findings.iter().chain(&misfits);
         findings.try_for_each(|finding| around.collector.report(finding.clone())).map_err(refuse)
+    }
+
+    /// Leaves the film with the best values as a material file; where tests have films of their own, or values of their own for
+    /// one, a file for each.
+    fn films(&self, session: &Session) -> HostResult<()> {
+        let Parts { plan, around, .. } = &*self.0;
+        let mut films: Vec<(String, Vec<&str>)> = Vec::new();
+        for test in &plan.tests {
+            // The faces of a specimen may have films of their own, which no one file holds.
+            let Some(film) = self.test(&test.name, session)?.film() else { continue };
+            match films.iter_mut().find(|(other, _)| *other == film) {
+                Some((_, tests)) => tests.push(&test.name),
+                None => films.push((film, vec![&test.name])),
+            }
+        }
+        let is_one = films.len() == 1;
+        for (place, (film, tests)) in films.into_iter().enumerate() {
+            let name = plan.table(&if is_one { "film".to_owned() } else { format!("film_{}", place + 1) });
+            let recordings = if session.virtual_recordings().is_empty() { "" } else { "VIRTUAL recordings of " };
+            let mut content =
+                format!("# The film that {} found, calibrated to {recordings}{}.\n", plan.title(), tests.join(", "));
+            for row in self.parameters() {
+                let [name, verdict] = ["parameter", "verdict"].map(|key| row[key].as_str().unwrap_or_default());
+                let [value, low, high] = ["value", "lower_95", "upper_95"]
+                    .map(|key| row[key].as_f64().map_or("?".into(), |own| significant(own, 4)));
+                let unit = row["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}"));
+                content += &format!("# {name} {value}{unit}, 95 % {low} to {high} ({LINEAR}): {verdict}\n");
+            }
+            content += &film;
+            around.collector.file(File { name: format!("{name}.toml"), content }).map_err(refuse)?;
+        }
+        Ok(())
     }
 
     /// Reports findings.
