@@ -211,12 +211,14 @@ fn with_what_is_left(
 }
 
 /// The model's error that these simulated signals leave, where it is estimated; its shape becomes that of the signals, of a
-/// test where another is likelier by far than the one that they have.
+/// test where another is likelier by far than the one that they have. None is all along a signal, so that the fit meets signals all
+/// along: only a posterior weighs one error against another.
 fn estimated(plan: &mut Plan, simulated: &[Vec<Series>]) -> HostResult<f64> {
     if !plan.has_residuals() {
         return Ok(plan.first_share());
     }
-    let shapes: Vec<Vec<Shape>> = (0..plan.tests.len()).map(|test| plan.shapes(test)).collect();
+    let short = |test| plan.shapes(test).into_iter().filter(|shape| !shape.is_long()).collect();
+    let shapes: Vec<Vec<Shape>> = (0..plan.tests.len()).map(short).collect();
     let given = (!plan.estimates_share()).then(|| plan.first_share());
     let (share, found) = most_likely(&left(plan, simulated, &shapes)?, given);
     for (test, found) in plan.tests.iter_mut().zip(found) {

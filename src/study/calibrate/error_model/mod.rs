@@ -108,6 +108,11 @@ impl Shape {
         lengths.iter().flat_map(of_length).collect()
     }
 
+    /// Whether it has a long part.
+    pub(super) fn is_long(self) -> bool {
+        self.long > 0.0
+    }
+
     /// Share of its variance that is in proportion to the signal.
     pub(super) fn in_proportion(self) -> f64 {
         if self.in_proportion { 1.0 } else { self.long }
