@@ -25,7 +25,6 @@ use crate::script::{
     CallOptions, File, HostResult, Options, OutputCollector, Row, Session, from_json, number, refuse, refuse_key, texts,
 };
 use base::finding::Finding;
-use base::number::significant;
 use uncertainty::statistics::quantiles;
 
 /// What scripts are checked against before they run, since a search takes long.
@@ -217,16 +216,10 @@ impl Calibration {
         for (place, (film, tests)) in films.into_iter().enumerate() {
             let name = plan.table(&if is_one { "film".to_owned() } else { format!("film_{}", place + 1) });
             let recordings = if session.virtual_recordings().is_empty() { "" } else { "VIRTUAL recordings of " };
-            let mut content =
-                format!("# The film that {} found, calibrated to {recordings}{}.\n", plan.title(), tests.join(", "));
-            for row in self.parameters() {
-                let [name, verdict] = ["parameter", "verdict"].map(|key| row[key].as_str().unwrap_or_default());
-                let [value, low, high] = ["value", "lower_95", "upper_95"]
-                    .map(|key| row[key].as_f64().map_or("?".into(), |own| significant(own, 4)));
-                let unit = row["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}"));
-                content += &format!("# {name} {value}{unit}, 95 % {low} to {high} ({LINEAR}): {verdict}\n");
-            }
-            content += &film;
+            let (title, tests) = (plan.title(), tests.join(", "));
+            let head = format!("The film that {title} found, calibrated to {recordings}{tests}.")
+                .replace(char::is_control, " ");
+            let content = format!("# {head}\n# The results beside it say how well each value is known.\n{film}");
             around.collector.file(File { name: format!("{name}.toml"), content }).map_err(refuse)?;
         }
         Ok(())
