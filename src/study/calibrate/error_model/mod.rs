@@ -67,6 +67,7 @@ const LONG: f64 = 0.37;
 pub(super) struct ErrorSize {
     /// Its deviation, as a share of the root mean square of the signal.
     pub(super) share: f64,
+    /// That share of its variance; the rest is even along the signal.
     pub(super) in_proportion: f64,
 }
 

@@ -96,6 +96,7 @@ pub(super) struct Posterior {
 pub(super) struct Draw {
     /// The unknowns; of what scatters over specimens, the value of this one.
     pub(super) x: Vec<f64>,
+    /// The model's error.
     pub(super) error: ErrorSize,
     /// How far its break strains along MD and TD are from their medians, in deviations of their logarithm.
     pub(super) breaks: [f64; 2],
