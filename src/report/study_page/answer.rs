@@ -97,6 +97,9 @@ fn from_one(is_virtual: bool) -> &'static str {
     if is_virtual { "the virtual recording" } else { "the one measured" }
 }
 
+/// How the basis of the intervals of a calibration without a posterior begins.
+const LINEAR: &str = "linear model";
+
 /// The parameters and how well they are known.
 fn known(estimates: &[Estimate]) -> Option<String> {
     let is_sure = |one: &&Estimate| one.doubt.is_none();
@@ -118,6 +121,10 @@ fn known(estimates: &[Estimate]) -> Option<String> {
         let least = worst.1.name();
         Some(format!("Parameters are known to ±{} to ±{} %, least of all {least}.", width(best.0), width(worst.0)))
     };
+    let is_linear = |(_, one): &(f64, &Estimate)| one.basis.as_deref().is_some_and(|own| own.starts_with(LINEAR));
+    let linear = shares.iter().any(is_linear).then(|| {
+        "The intervals are those of a linear model, too narrow where the law is off: sample the posterior.".to_owned()
+    });
     let open = (!open.is_empty()).then(|| format!("Without a bound: {}.", open.join(", ")));
     // What a calibration doubts has no width in the answer.
     let doubts = group::by_key(estimates.iter().filter_map(|one| Some((one.doubt.as_deref()?, one.name()))));
@@ -127,7 +134,7 @@ fn known(estimates: &[Estimate]) -> Option<String> {
         let verb = if names.len() == 1 { "is" } else { "are" };
         format!("{} {verb} {doubt}.", names.join(" and "))
     });
-    let sentences: Vec<String> = [closed, open].into_iter().flatten().chain(doubts).collect();
+    let sentences: Vec<String> = [closed, linear, open].into_iter().flatten().chain(doubts).collect();
     (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
@@ -269,6 +276,11 @@ mod tests {
         let doubts = "ke and ky are limited by the mesh. kb is at its upper bound.";
         let whole = format!("Identified: k1 2 (±5 %). {doubts} Measure light next: it narrows ky.");
         assert_eq!(found(&output, &all), Some(whole));
+        let of = |basis: &str| Estimate { basis: Some(basis.into()), ..all[0].clone() };
+        let answer = |basis| found(&ScriptOutput::default(), &[of(basis)]).expect("an answer");
+        assert!(answer("linear model at the best point").ends_with("k1 2 (±5 %). The intervals are those of a linear \
+            model, too narrow where the law is off: sample the posterior."));
+        assert_eq!(answer("posterior"), "Identified: k1 2 (±5 %).");
         // Of two calibrations that doubt the same.
         let output = ScriptOutput { findings: [&output.findings[..]; 2].concat(), ..ScriptOutput::default() };
         let twice = found(&output, &[&all[1..], &all[1..]].concat()).expect("an answer");
