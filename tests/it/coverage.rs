@@ -20,6 +20,7 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 use recordings::{GRAVITY, Given, Setup};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use thorough::thorough;
 
 use crate::workbench::{droptower, error, figures, root};
@@ -103,6 +104,10 @@ fn study(seed: u64, folder: &Path) -> Result<Vec<Found>, String> {
         return Err(error(&reduced));
     }
     let reduced = figures(&reduced);
+    let contact = reduced["contact_time_interval_s"].as_array().ok_or_else(|| reduced.to_string())?;
+    let ends: Vec<f64> = contact.iter().filter_map(Value::as_f64).collect();
+    let held = (ends[0]..=ends[1]).contains(&made.truth.contact);
+    println!("{seed}: laser {}, contact {:.5} s in {ends:.5?}: {held}", made.laser.is_some(), made.truth.contact);
     let measured = reduced["impact_velocity_m_s"].as_f64().ok_or_else(|| reduced.to_string())?;
     let scenario = format!(
         "extends = \"{}\"\nspecimen.mesh.size = \"{}\"\nimpactor.shape.sphere.radius = \"{RADIUS}\"\nloading.impact.velocity = \"{measured} m/s\"\n\
