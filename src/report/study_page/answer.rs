@@ -278,8 +278,10 @@ mod tests {
         assert_eq!(found(&output, &all), Some(whole));
         let of = |basis: &str| Estimate { basis: Some(basis.into()), ..all[0].clone() };
         let answer = |basis| found(&ScriptOutput::default(), &[of(basis)]).expect("an answer");
-        assert!(answer("linear model at the best point").ends_with("k1 2 (±5 %). The intervals are those of a linear \
-            model, too narrow where the law is off: sample the posterior."));
+        assert!(answer("linear model at the best point").ends_with(
+            "k1 2 (±5 %). The intervals are those of a linear \
+            model, too narrow where the law is off: sample the posterior."
+        ));
         assert_eq!(answer("posterior"), "Identified: k1 2 (±5 %).");
         // Of two calibrations that doubt the same.
         let output = ScriptOutput { findings: [&output.findings[..]; 2].concat(), ..ScriptOutput::default() };
