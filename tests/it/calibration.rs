@@ -270,6 +270,8 @@ fn a_prediction_leaves_out_what_its_scenario_lacks() {
     let without: Vec<&str> = without.map(|found| found.message.as_str()).collect();
     let told = "friction has no part in the prediction of td: its scenario has no such key, or none that can be set";
     assert_eq!(without, [told]);
+    let files: Vec<&str> = output.files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(files, ["film.toml"], "the strip's, and none of a drop whose friction alone is sought");
 }
 
 #[test]

@@ -200,13 +200,16 @@ impl Calibration {
     }
 
     /// Leaves the film with the best values as a material file; where tests have films of their own, or values of their own for
-    /// one, a file for each.
+    /// one, a file for each. None of film that no parameter changes.
     fn films(&self, session: &Session) -> HostResult<()> {
         let Parts { plan, around, .. } = &*self.0;
         let mut films: Vec<(String, Vec<&str>)> = Vec::new();
         for test in &plan.tests {
             // The faces of a specimen may have films of their own, which no one file holds.
             let Some(film) = self.test(&test.name, session)?.film() else { continue };
+            if test.study.film().as_ref() == Some(&film) {
+                continue;
+            }
             match films.iter_mut().find(|(other, _)| *other == film) {
                 Some((_, tests)) => tests.push(&test.name),
                 None => films.push((film, vec![&test.name])),
